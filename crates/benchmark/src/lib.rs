@@ -23,6 +23,7 @@ mod training;
 mod tune;
 
 pub use cases::{Case, Set, cases, set_of};
+pub use families::{Family, Triangulation};
 pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{PAIR_NAMES, Pair, pairs};
 pub use published::{Method, Setting, denoiser};

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
+use fairing_benchmark::{Family, Triangulation};
 use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
-use fairing_shapes as shapes;
 
 use super::families;
 use super::gallery::{VIEWPOINTS, plotted};
@@ -50,8 +50,9 @@ const PAIRS: [(&str, Input, Input); 6] = [
     ("noisy machine part", Input::NoisyFandisk, Input::Fandisk),
 ];
 
-/// The generated meshes: CAD-like, smooth, detailed.
-const GENERATED: [&str; 3] = ["block", "torus", "creature"];
+/// The generated meshes: with creases, smooth, detailed. They are of families on which no result was
+/// known when the automatic denoiser was trained and its constants chosen.
+const GENERATED: [Family; 3] = [Family::Bolt, Family::Vase, Family::Fluted];
 
 /// A quick run leaves out noisy meshes of more faces than this.
 const LARGE: usize = 10_000;
@@ -66,7 +67,7 @@ fn section() -> Section {
     .commands(&["fairing denoise noisy.ply -o restored.ply  # no parameters", "fairing denoise noisy.ply -o guided.ply --method guided-normal", "fairing compare restored.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
     .shows(&["averages"], &[])
-    .names(&[("block-view", "the block, to turn"), ("ratios", "all cases of the test bed"), ("block", "the block after every denoiser"), ("torus", "the torus after every denoiser"), ("creature", "the creature after every denoiser"), ("worst-development", "the worst case of the development set"), ("worst-unseen", "the worst case of the unseen set"), ("worst-fresh", "the worst case of the fresh set"), ("best", "the best denoiser on each mesh"), ("scores", "each denoiser on each mesh"), ("families", "the families of the test bed"), ("sets", "the sets of families"), ("lost", "the five worst cases of each set")])
+    .names(&[("bolt-view", "the bolt, to turn"), ("ratios", "all cases of the benchmark"), ("bolt", "the bolt after every denoiser"), ("vase", "the vase after every denoiser"), ("fluted", "the fluted column after every denoiser"), ("worst-development", "the worst case of the development set"), ("worst-unseen", "the worst case of the unseen set"), ("worst-fresh", "the worst case of the fresh set"), ("best", "the best published denoiser on each mesh"), ("scores", "each denoiser on each mesh"), ("families", "the families of the benchmark"), ("sets", "the sets of families"), ("lost", "the five worst cases of each set")])
     .playground(
         "denoising",
         "The filter of normals keeps the creases that diffusion rounds off; once the noise is more than about a third \
@@ -85,7 +86,7 @@ impl Experiment for Denoisers {
             title: "Denoisers compared",
             question: "Which denoiser restores which kind of surface best, with no parameter chosen by hand?",
             method: format!(
-                "Every denoiser runs with its default parameters; the automatic one has none. The meshes are a body with creases, a smooth one and a detailed one, with Gaussian noise along the normals of {low}, {middle} and {high} mean edge lengths, the noisy machine part of the assignment, and the pairs of the literature, where they are found.\n\nE_a is the mean angle between matching normals, E_v the mean distance of the vertices from the true surface over the diagonal.\n\nThe test bed has bodies of 34 families with seven kinds of noise and triangulation each. Weights and constants of the automatic denoiser are chosen on the twelve families of the development set. The twelve unseen ones are only reported. On the ten fresh ones no result was known when anything was chosen. What it leaves is compared with the best that any published method leaves when its parameters are searched with the truth, case by case."
+                "Every denoiser runs with its default parameters; the automatic one has none. It is a network, or rather several, trained on generated meshes: models of twelve families, blocks, creatures, tori and three other simple shapes, and random models. The meshes of this section are a bolt with creases, a smooth vase and a fluted column with details, all three of families that training never saw and on which no result was known when anything was chosen; they have Gaussian noise along the normals of {low}, {middle} and {high} mean edge lengths. Where they are found, the noisy machine part of the assignment and the pairs of the literature are added: they were not trained on, but results on them were known while the denoiser was made.\n\nE_a is the mean angle between matching normals, E_v the mean distance of the vertices from the true surface over the diagonal.\n\nThe benchmark has generated meshes of 34 families with seven combinations of noise and triangulation each. Weights and constants of the automatic denoiser are chosen on the twelve families of the development set. The twelve unseen families were not trained on, but their results were known while the kinds of random models for training were designed. On the ten fresh ones no result was known when anything was chosen. The error that it leaves is compared with the least that any of eight published methods leaves when its parameters are searched with the truth, case by case."
             ),
             formulas: vec![],
             section: section(),
@@ -101,15 +102,12 @@ impl Experiment for Denoisers {
         let mut outcome = Outcome::default();
         let mut scores = scores_table();
         literature(context, &mut scores, &mut outcome)?;
-        let quick = context.is_quick();
-        let bodies = [
-            Body::new(GENERATED[0], shapes::cad_block(if quick { 0.25 } else { 0.15 }))?,
-            Body::new(
-                GENERATED[1],
-                shapes::torus(1.0, 0.4, if quick { 40 } else { 72 }, if quick { 16 } else { 28 }),
-            )?,
-            Body::new(GENERATED[2], shapes::creature(if quick { 48 } else { 52 }))?,
-        ];
+        let faces = if context.is_quick() { 1500 } else { 8000 };
+        let bodies = GENERATED.map(|family| {
+            let seed = context.seed(family.name());
+            Body::new(family.name(), family.mesh(faces, Triangulation::Irregular, seed))
+        });
+        let bodies: Vec<Body> = bodies.into_iter().collect::<Result<_>>()?;
         let levels = context.choose(&LEVELS[..], &LEVELS[2..]);
         for (b, body) in bodies.iter().enumerate() {
             for (k, &level) in levels.iter().enumerate() {
@@ -135,35 +133,42 @@ impl Experiment for Denoisers {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let best = tables.get("best")?;
-        let (least, own) = (best.column("best E_a")?, best.column("automatic")?);
-        let wins = least.iter().zip(&own).filter(|(a, b)| a == b).count();
-        let ratio = least.iter().zip(&own).map(|(a, b)| b / a).fold(1.0, f64::max);
+        let (least, own) = (best.column("its E_a")?, best.column("automatic")?);
+        let wins = least.iter().zip(&own).filter(|(a, b)| b <= a).count();
+        let ratio = least.iter().zip(&own).map(|(a, b)| b / a).fold(0.0, f64::max);
         let verdict = match wins {
             n if n == least.len() => Verdict::Confirmed,
             0 => Verdict::Refuted,
             _ => Verdict::Qualified,
         };
         let share = match wins == least.len() {
-            true => format!("the smallest E_a on all {wins} noisy meshes."),
+            true => format!(
+                "a smaller E_a than each of them on all {wins} noisy meshes, at most {} times the smallest of theirs.",
+                brief(ratio)
+            ),
             false => format!(
-                "the smallest E_a on {wins} of {} noisy meshes, elsewhere at most {} times the smallest.",
+                "a smaller E_a than each of them on {wins} of {} noisy meshes, elsewhere at most {} times the smallest of theirs.",
                 least.len(),
                 brief(ratio)
             ),
         };
-        let reason = format!("The automatic denoiser leaves {share}");
+        let reason = format!(
+            "Compared with published methods at their default parameters, the automatic denoiser leaves {share}"
+        );
         let mut judgements: Vec<Judgement> = families::judge(tables)?.into_iter().collect();
         judgements.push(
             Judgement::new(
                 "automatic",
-                "One denoiser without parameters does as well as the best published one on each kind of surface",
+                "One denoiser without parameters does as well as the best published one at its default parameters on each kind of surface",
                 verdict,
                 reason,
             )
-            .finding(format!("It leaves {share}"))
+            .finding(format!(
+                "Beside published methods at their defaults it leaves {share}"
+            ))
             .ours()
             .shown(Shown::figure("denoisers", "averages"))
-            .number("largest ratio to the best", ratio, Unit::One),
+            .number("largest ratio to the best published", ratio, Unit::One),
         );
         Ok(judgements)
     }
@@ -196,6 +201,11 @@ fn literature(context: &Context<'_>, scores: &mut Table, outcome: &mut Outcome) 
     let mut absent = vec![];
     for (k, (name, noisy, truth)) in PAIRS.into_iter().enumerate() {
         context.progress(0.4 * k as f64 / PAIRS.len() as f64, name);
+        // A stand-in is a block of the kind that the networks are trained on.
+        if context.is_stand_in(truth) {
+            absent.push(name);
+            continue;
+        }
         let (Some(noisy), Some(truth)) =
             (context.mesh_if_present(noisy)?, context.mesh_if_present(truth)?)
         else {
@@ -212,7 +222,7 @@ fn literature(context: &Context<'_>, scores: &mut Table, outcome: &mut Outcome) 
     if !absent.is_empty() {
         let names = absent.join(", ");
         outcome.notes.push(format!(
-            "Pairs of the literature that were not found, and are left out: {names}. They are looked for in the folder of `--meshes`."
+            "Pairs that were not found, and are left out: {names}. They are looked for in the folder of `--meshes`."
         ));
     }
     Ok(())
@@ -286,18 +296,16 @@ fn measure(table: &mut Table, name: &str, body: &Body, noisy: &TriMesh) -> Resul
 fn best(scores: &Table) -> Result<Table> {
     let mut table = Table::new(
         "best",
-        "The smallest E_a on each mesh, beside the noisy input, the best published method with its defaults, and the automatic denoiser.",
+        "E_a of each noisy mesh, of the best published method with its defaults, and of the automatic denoiser.",
         &[
             ("mesh", Unit::Label),
             ("noisy", Unit::Degrees),
-            ("best method", Unit::Label),
-            ("best E_a", Unit::Degrees),
             ("best published", Unit::Label),
             ("its E_a", Unit::Degrees),
             ("automatic", Unit::Degrees),
         ],
     );
-    for column in ["noisy", "best E_a", "its E_a", "automatic"] {
+    for column in ["noisy", "its E_a", "automatic"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.02, absolute: 1e-3 }));
     }
     let own = Denoiser::Automatic(AutomaticOptions::DEFAULT).name();
@@ -316,17 +324,8 @@ fn best(scores: &Table) -> Result<Table> {
             }
         }
         let automatic = angle(own)?;
-        let best = if automatic <= published.0 { (automatic, own) } else { published };
         let noisy = angle(Method::Nothing.name())?;
-        table.push(row![
-            name.to_string(),
-            noisy,
-            best.1,
-            best.0,
-            published.1,
-            published.0,
-            automatic
-        ]);
+        table.push(row![name.to_string(), noisy, published.1, published.0, automatic]);
     }
     Ok(table)
 }
@@ -339,7 +338,8 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
         legend: Legend::Lines,
         ..Plot::default()
     };
-    for name in GENERATED {
+    for family in GENERATED {
+        let name = family.name();
         let mut bars = vec![];
         for method in methods() {
             let mut sum = 0.0;
@@ -356,7 +356,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     plotted(
         &figure,
         "averages",
-        "Shorter bars are better; the names of the meshes are beside the last group. The mean normal error of each denoiser on the generated meshes, averaged over the levels of noise.",
+        "Shorter bars are better; the names of the meshes are beside the last group. The mean normal error of each denoiser on three generated meshes that its training, if any, never saw, averaged over the levels of noise.",
         "Groups of three bars for each denoiser, one for each kind of mesh.",
     )
 }
@@ -422,7 +422,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     Grid {
         rows: vec![row(0..half), row(half..restored.len())],
         viewpoint: VIEWPOINTS[0],
-        up: if body.name == GENERATED[2] { Up::Y } else { Up::Z },
+        up: Up::Z,
         aspect: 1.0,
     }
     .draw(

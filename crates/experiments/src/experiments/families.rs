@@ -52,7 +52,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
         pictures.push(picture);
     }
     if !current {
-        outcome.notes.push("The kept results on the test bed are not those of this denoiser, and are left out: `cargo xtask benchmark measure --accept` makes them.".into());
+        outcome.notes.push("The kept results of the benchmark are not those of this denoiser, and are left out: `cargo xtask benchmark measure --accept` makes them.".into());
         return Ok(());
     }
     outcome.figures.push(ratios(&mine)?);
@@ -80,7 +80,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
     }
     outcome.tables.extend([families, sets, lost]);
     outcome.notes.push(
-        "The tables of the test bed are those that `cargo xtask benchmark measure --accept` keeps; this run has measured the worst case of each set again.".into(),
+        "The tables of the benchmark were not measured in this run: they are those that `cargo xtask benchmark measure --accept` stores. This run has measured the worst case of each set again.".into(),
     );
     Ok(())
 }
@@ -111,7 +111,7 @@ fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Pictu
     plotted(
         &figure,
         "ratios",
-        "Below the dashed line the automatic denoiser is better than the best published method, whose parameters were tuned with the truth; above it, worse. E_a of the automatic denoiser over that of the other on each case of the test bed, in ascending order.",
+        "Below the dashed line the automatic denoiser is better than the best published method, whose parameters were tuned with the truth; above it, worse. E_a of the automatic denoiser over that of the other on each case of the benchmark, in ascending order.",
         "Three rising lines, one for each set of families, that cross the dashed line of equal errors.",
     )
 }
@@ -119,7 +119,7 @@ fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Pictu
 fn families_table() -> Table {
     Table::new(
         "families",
-        "The families of the test bed: E_a of the automatic denoiser over that of the best published method, its parameters tuned with the truth on that very case; the median and the worst case.",
+        "The families of the benchmark: E_a of the automatic denoiser over that of the best published method, its parameters tuned with the truth on that very case; the median and the worst case.",
         &[
             ("set", Unit::Label),
             ("kind", Unit::Label),
@@ -253,7 +253,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
         &format!(
             "Of the last two pictures the left one is worse: here the automatic denoiser loses most against the best published method, whose parameters were tuned with the truth. The worst case of the {set} set, “{name}”: the truth, the noisy mesh and both results, flat shaded, with E_a."
         ),
-        "Four pictures of one body: without noise, noisy, and denoised by two methods.",
+        "Four pictures of one mesh: without noise, noisy, and denoised by two methods.",
     )?;
     Ok((now, picture))
 }
@@ -284,7 +284,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "On {} cases of unseen families, which no constant was chosen on, {}. On {} cases of fresh families, on which no result was known when anything was chosen, {}.",
+        "On {} cases of unseen families, which were not trained on but whose results were known during development, {}. On {} cases of fresh families, on which no result was known when anything was chosen, {}.",
         unseen.cases,
         unseen.text(),
         fresh.cases,
@@ -298,7 +298,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     );
     let judgement = Judgement::new(
         "unseen",
-        "On kinds of bodies that it was not made with, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
+        "On families of meshes that it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
         verdict,
         reason,
     )

@@ -49,8 +49,8 @@ fn section() -> Section {
     .names(&[("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
     .playground(
         "ellipsoid",
-        "The blue circle hugs the ellipsoid at (a, 0, 0); the red one of the original report does not, unless the \
-            three axes are equal and the direction is y. The section along the normal shows both at scale, the plot \
+        "The blue circle hugs the ellipsoid at (a, 0, 0); the red one of the original report lies on the other \
+            side, and has the same size only where tan²θ = c/a − c²/b²: along y if b² = ac. The section along the normal shows both at scale, the plot \
             all directions. Drag a, b, c and the direction.",
         "An ellipsoid with two circles at the end of its first axis: one fits the surface, one does not.",
     )
@@ -201,7 +201,7 @@ fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
 fn directions() -> Result<Table> {
     let mut table = Table::new(
         "directions",
-        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the original report's coefficients e = f = 0, g = −c give in the same direction.",
+        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and −cos²θ/c, which follows from the original report's coefficients e = f = 0, g = −c if dv runs along y, as that report takes it. (dv runs along z: with du and dv as above the same coefficients give −sin²θ/c.)",
         &[
             ("(a, b, c)", Unit::Label),
             ("θ", Unit::Degrees),
@@ -246,12 +246,29 @@ fn plot(directions: &Table) -> Result<Picture> {
         };
         figure.panels.push(Panel::drawing(plot.draw(300.0, 270.0)?));
     }
+    let equal: Vec<String> = AXES
+        .into_iter()
+        .filter_map(|axes| {
+            Some(format!("{:.0}° on {}", equal_sizes(axes)?.to_degrees(), axes_name(axes)))
+        })
+        .collect();
+    let caption = format!(
+        "The two curves never have the same sign. Their sizes agree at {}, and there at 180° − θ; θ = 0 is the one direction that the original report looks at. Normal curvature at (a, 0, 0) over the tangent direction: solid from the forms, with the normal that makes it positive on a sphere; dashed from the coefficients of the original report, with dv along y.",
+        equal.join(", ")
+    );
     plotted(
         &figure,
         "directions",
-        "The two curves meet nowhere but on the sphere, and there in size only, at θ = 0, the one direction that the original report looks at. Normal curvature at (a, 0, 0) over the tangent direction: solid from the forms, with the normal that makes it positive on a sphere; dashed from the coefficients of the original report.",
+        &caption,
         "Six plots of normal curvature over the direction, each with two curves that differ.",
     )
+}
+
+/// The direction from y at which cos²θ/c is a (cos²θ/b² + sin²θ/c²), if there is one: there
+/// tan²θ = c/a − c²/b².
+fn equal_sizes([a, b, c]: [f64; 3]) -> Option<f64> {
+    let square = c / a - (c / b).powi(2);
+    (square >= 0.0).then(|| libm::atan(square.sqrt()))
 }
 
 /// The same on meshes.
@@ -313,3 +330,24 @@ const FORMULAS: [&str; 2] = [
     r"\kappa_n = \frac{e\,du^2 + 2f\,du\,dv + g\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2}",
     r"\kappa_n(\theta)\big|_{(a,0,0)} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right)",
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_agree_where_the_caption_says() {
+        let mut found = 0;
+        for axes in AXES {
+            let [a, b, c] = axes;
+            let Some(theta) = equal_sizes(axes) else { continue };
+            let forms = Ellipsoid { a, b, c }.forms(0.0, FRAC_PI_2).unwrap();
+            let (s, co) = libm::sincos(theta);
+            let kappa = forms.normal_curvature([co / b, -s / c]).unwrap();
+            assert!((kappa.abs() - co * co / c).abs() < 1e-12, "{axes:?}");
+            found += 1;
+        }
+        assert_eq!(found, 4);
+        assert!(equal_sizes([1.6, 1.2, 0.9]).unwrap_or(0.0) < 1e-7);
+    }
+}
