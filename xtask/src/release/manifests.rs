@@ -19,8 +19,8 @@ pub(super) fn version(packages: &[Package]) -> Result<&str> {
     Ok(version)
 }
 
-/// Checks that all packages and the recipe of conda have one version, that published ones ask for it in each other, and
-/// that they need no package that is not published.
+/// Checks that all packages and the recipe of conda have one version, that published ones ask for
+/// it in each other, and that they need no package that is not published.
 pub(super) fn versions(root: &Path, packages: &[Package]) -> Result<Passed> {
     let version = version(packages)?;
     let recipe =
