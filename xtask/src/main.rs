@@ -69,6 +69,7 @@ fn run() -> Result<ExitCode> {
         }
         ["release"] => bail!("pass --dry-run: .github/workflows/release.yml uploads, nobody else"),
         ["web"] => web::run(&root, Extent::Build)?,
+        ["web", "--page"] => web::run(&root, Extent::Page)?,
         ["web", "--accept"] => web::run(&root, Extent::Accept)?,
         ["test"] => gate::run(&root, false)?,
         ["test", "--python"] => gate::run(&root, true)?,

@@ -15,7 +15,7 @@ pub(crate) const TASKS: [(&str, &str); 10] = [
         "wheel",
         "Build the wheel of the Python package into target/wheels, with maturin from the package index",
     ),
-    ("web", "Build the module for browsers and test it in Node"),
+    ("web", "Build the module for browsers and the laboratory, target/web/fairing.html"),
     (
         "release",
         "Walk through a release with --dry-run: versions, packages, a build from them alone, wheel",
@@ -41,14 +41,15 @@ Options:
 
 /// Help of the task `web`.
 pub(crate) const WEB_HELP: &str = "\
-Build the module for browsers from source, and test it in Node
+Build the module for browsers from source, test it in Node, and write the laboratory, target/web/fairing.html
 
 The compiler needs the target wasm32-unknown-unknown: that of rustup if it is installed, else Debian's packages, which
 apt-get fetches into target/web/toolchain and which leave the machine as it is.
 
-Usage: cargo xtask web [--accept]
+Usage: cargo xtask web [--page | --accept]
 
 Options:
+      --page    Write the laboratory with the committed module, which needs no compiler for WebAssembly
       --accept  Replace the committed module, crates/web/assets/fairing.wasm.gz, if its tests pass
   -h, --help    Print help";
 

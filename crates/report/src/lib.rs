@@ -21,5 +21,6 @@ mod thumbnail;
 mod views;
 
 pub use markdown::{claim_table, summary};
+pub use page::laboratory;
 pub use publish::publish;
 pub use render::render;

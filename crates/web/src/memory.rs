@@ -41,7 +41,7 @@ thread_local! {
 
 /// Room for a request of this many bytes.
 #[unsafe(no_mangle)]
-pub extern "C" fn input(length: usize) -> *mut u8 {
+pub(crate) extern "C" fn input(length: usize) -> *mut u8 {
     STATE.with_borrow_mut(|state| {
         state.input = vec![0; length];
         state.input.as_mut_ptr()
@@ -51,7 +51,7 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
 /// Answers a request: the first `length` bytes of the input are its object, the others belong to
 /// it. Returns the address of the answer.
 #[unsafe(no_mangle)]
-pub extern "C" fn call(length: usize) -> *const u8 {
+pub(crate) extern "C" fn call(length: usize) -> *const u8 {
     panic::set_hook(Box::new(|info| {
         let message = info.to_string();
         panicked(message.as_ptr(), message.len());
@@ -74,7 +74,7 @@ pub extern "C" fn call(length: usize) -> *const u8 {
 
 /// The number of bytes of the answer.
 #[unsafe(no_mangle)]
-pub extern "C" fn answer_length() -> usize {
+pub(crate) extern "C" fn answer_length() -> usize {
     STATE.with_borrow(|state| state.text.len())
 }
 

@@ -1,5 +1,6 @@
-//! The module for browsers.
+//! The module for browsers, and the laboratory.
 
+mod strip;
 mod toolchain;
 
 use std::fs;
@@ -23,13 +24,15 @@ const FOLDER: &str = "target/web";
 /// The part of the work to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// The module from source, and its tests.
+    /// The laboratory, with the committed module.
+    Page,
+    /// The module from source, its tests, and the laboratory.
     Build,
     /// Also replaces the committed module.
     Accept,
 }
 
-/// Builds and tests the module; returns `true` if the tests of the module pass.
+/// Builds what is asked for; returns `true` if the tests of the module pass.
 ///
 /// # Errors
 ///
@@ -37,7 +40,11 @@ pub(crate) enum Extent {
 pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
     let folder = root.join(FOLDER);
     fs::create_dir_all(&folder)?;
-    let module = build(root, &folder)?;
+    let committed = root.join(COMMITTED);
+    if extent == Extent::Page {
+        return laboratory(root, &committed, &folder);
+    }
+    let module = strip::stripped(&build(root, &folder)?).context("the module is damaged")?;
     let packed = folder.join("fairing.wasm.gz");
     let bytes = compressed(&module)?;
     fs::write(&packed, &bytes)?;
@@ -49,8 +56,21 @@ pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
         return Ok(false);
     }
     if extent == Extent::Accept {
-        fs::write(root.join(COMMITTED), bytes)?;
+        fs::write(committed, bytes)?;
     }
+    laboratory(root, &packed, &folder)
+}
+
+/// Writes the laboratory with a module; returns `false` if the program that does so does not
+/// compile or fails.
+fn laboratory(root: &Path, module: &Path, folder: &Path) -> Result<bool> {
+    let page = folder.join("fairing.html");
+    let mut program = cargo(root);
+    program.args(["run", "--quiet", "--package=fairing-report", "--bin=laboratory", "--"]);
+    if !program.args([module, &page]).status().context("running cargo")?.success() {
+        return Ok(false);
+    }
+    println!("{}: {} bytes", page.display(), fs::metadata(&page)?.len());
     Ok(true)
 }
 

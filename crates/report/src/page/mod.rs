@@ -9,8 +9,10 @@
 //! compiler target that a machine with nothing but cargo does not have, for a
 //! solver of a hundred lines that is fast enough as it is.
 
+mod bundle;
 mod figures;
 mod html;
+mod laboratory;
 mod section;
 mod tables;
 mod view;
@@ -23,9 +25,11 @@ use base64::Engine as _;
 use rayon::prelude::*;
 
 use crate::{markdown, notation, numbers, story, thumbnail};
+use fairing_figure::ColorMap;
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
+pub use laboratory::laboratory;
 
 /// The scripts, in the order in which they use one another.
 const SCRIPTS: [&str; 22] = [
@@ -94,7 +98,7 @@ fn document(title: &str, contents: &str, main: &str) -> String {
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
         title = escape(title),
-        maps = view::color_maps(),
+        maps = view::color_maps(&ColorMap::ALL),
         font = math_font(),
     );
     for script in SCRIPTS {

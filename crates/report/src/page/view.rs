@@ -13,15 +13,15 @@ use super::html::{escape, script_json};
 use crate::views::Packed;
 
 /// The colour maps of the viewer, 256 colours each, for `page.js`.
-pub(super) fn color_maps() -> String {
+pub(super) fn color_maps(maps: &[ColorMap]) -> String {
     let table = |map: ColorMap| -> Vec<u8> {
         (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).collect()
     };
-    let entry = |map: ColorMap| {
+    let entry = |&map: &ColorMap| {
         let engine = base64::engine::general_purpose::STANDARD;
         (map.name().to_string(), Value::from(base64::Engine::encode(&engine, table(map))))
     };
-    let maps = ColorMap::ALL.into_iter().map(entry).collect();
+    let maps = maps.iter().map(entry).collect();
     script_json(&Value::Object(maps))
 }
 

@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 
 use crate::direct::supernodes::Supernodes;
-use crate::simd::{self, Kernel};
+use crate::simd::{self, Kernel, fused};
 
 /// Columns of a supernode processed together.
 const GROUP: usize = 4;
@@ -277,7 +277,7 @@ impl<'a> Node<'a> {
 #[inline(always)]
 fn subtract<const B: usize>(mut y: [f64; B], l: f64, x: &[f64; B]) -> [f64; B] {
     for lane in 0..B {
-        y[lane] = (-l).mul_add(x[lane], y[lane]);
+        y[lane] = fused(-l, x[lane], y[lane]);
     }
     y
 }

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::direct::factor::LANES;
-use crate::simd::{self, Kernel};
+use crate::simd::{self, Kernel, fused};
 
 /// Eight interleaved vectors.
 pub(crate) type Block = Vec<[f64; LANES]>;
@@ -160,7 +160,7 @@ impl Kernel for Squares<'_> {
         let mut sum = [0.0; LANES];
         for (w, d) in self.w.iter().zip(self.weights) {
             for j in 0..LANES {
-                sum[j] = (d * w[j]).mul_add(w[j], sum[j]);
+                sum[j] = fused(d * w[j], w[j], sum[j]);
             }
         }
         sum
@@ -203,7 +203,7 @@ impl Kernel for Transform<'_> {
             let mut sum = [0.0; LANES];
             for i in 0..LANES {
                 for j in 0..LANES {
-                    sum[j] = w[i].mul_add(self.c[i][j], sum[j]);
+                    sum[j] = fused(w[i], self.c[i][j], sum[j]);
                 }
             }
             *w = sum;
@@ -221,7 +221,7 @@ fn product_piece(u: &[[f64; LANES]], w: &[[f64; LANES]], sum: &mut Small) {
         for (u, w) in u.iter().zip(w) {
             for i in 0..HALF {
                 for j in 0..LANES {
-                    sums[i][j] = u[half + i].mul_add(w[j], sums[i][j]);
+                    sums[i][j] = fused(u[half + i], w[j], sums[i][j]);
                 }
             }
         }
@@ -235,7 +235,7 @@ fn subtract_piece(u: &[[f64; LANES]], c: &Small, w: &mut [[f64; LANES]]) {
         let mut value = *w;
         for i in 0..LANES {
             for j in 0..LANES {
-                value[j] = (-u[i]).mul_add(c[i][j], value[j]);
+                value[j] = fused(-u[i], c[i][j], value[j]);
             }
         }
         *w = value;

@@ -14,7 +14,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
-use crate::module::{Request, answers, expected, numbers};
+use crate::module::{Request, answers, expected, node, numbers};
 
 /// Ten meshes: closed and open, smooth and with creases, even and uneven, with noise.
 pub(crate) fn meshes() -> Vec<(&'static str, TriMesh)> {
@@ -205,4 +205,9 @@ pub(crate) fn random(module: PathBuf) -> Result<()> {
         identical(found, &expected)?;
     }
     Ok(())
+}
+
+/// A page cancels work, hears of defects, and goes on with its meshes.
+pub(crate) fn client(module: PathBuf) -> Result<()> {
+    node("client.mjs", &[&module]).map(|_| ())
 }

@@ -28,7 +28,8 @@ fn main() {
     let meshes = cases::meshes().into_iter().map(|(name, mesh)| {
         trial(format!("same_answers::{name}"), Box::new(move |path| cases::same(&path, &mesh)))
     });
-    let others: [(&str, fn(PathBuf) -> Result<()>); 3] = [
+    let others: [(&str, fn(PathBuf) -> Result<()>); 4] = [
+        ("meshes_survive_cancelling_and_defects", cases::client),
         ("errors_leave_the_session_intact", cases::errors),
         ("memory_stays_flat", cases::flat),
         ("random_bytes_are_refused_in_words", cases::random),

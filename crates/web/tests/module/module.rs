@@ -20,11 +20,16 @@ pub(crate) fn answers(module: &Path, requests: &[Request]) -> Result<Vec<Value>>
         format!("{}\n", json!({ "request": request, "bytes": BASE64.encode(bytes) }))
     };
     std::fs::write(&file, requests.iter().map(line).collect::<String>())?;
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/module/answers.mjs");
-    let output = Command::new("node").arg(script).arg(module).arg(&file).output()?;
-    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout)?;
+    let text = node("answers.mjs", &[module, &file])?;
     text.lines().map(|line| serde_json::from_str(line).context("an answer of node")).collect()
+}
+
+/// The output of a script of this folder.
+pub(crate) fn node(script: &str, arguments: &[&Path]) -> Result<String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/module").join(script);
+    let output = Command::new("node").arg(script).args(arguments).output()?;
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Ok(String::from_utf8(output.stdout)?)
 }
 
 /// The answers of a session, in the same form.

@@ -1,0 +1,357 @@
+import {Client} from '../../../web/assets/client.mjs';
+import {Panel} from './panel.mjs';
+import {Viewer} from './viewer.mjs';
+
+/** Requests of tasks that only add fields to a mesh; all others make a new one. */
+const FIELDS = {curvature: 'mean', distance: 'distance', spectrum: 'mode'};
+const TITLES = {
+  curvature: 'Curvature',
+  smooth: 'Smooth',
+  denoise: 'Denoise',
+  spectrum: 'Modes',
+  reconstruct: 'Reconstruct',
+  distance: 'Distance',
+  noise: 'Add noise',
+  repair: 'Repair',
+  compare: 'Compare',
+};
+
+/**
+ * The laboratory. `steps` are the meshes from the original to the result, each with the request that made it; pictures
+ * show the first and the last.
+ */
+class Laboratory {
+  constructor(client, tables, maps) {
+    this.client = client;
+    this.tables = tables;
+    this.steps = [];
+    this.panels = {};
+    this.task = 'curvature';
+    this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
+    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex));
+    this.build();
+  }
+
+  build() {
+    const {part, tables} = this;
+    for (const {name, about} of tables.samples) {
+      const button = element('button', {type: 'button', title: about}, name);
+      button.addEventListener('click', () => this.open({verb: 'sample', name}, name));
+      part.samples.append(button, ' ');
+    }
+    part.file.addEventListener('change', () => this.read(part.file.files[0]));
+    document.addEventListener('dragover', (e) => e.preventDefault());
+    document.addEventListener('drop', (e) => {
+      e.preventDefault();
+      this.read(e.dataTransfer.files[0]);
+    });
+    for (const [task, title] of Object.entries(TITLES)) {
+      this.panels[task] = new Panel(tables.tasks[task], () => this.again());
+      const button = element('button', {type: 'button', 'data-task': task}, title);
+      button.addEventListener('click', () => this.turnTo(task));
+      part.tasks.append(button);
+    }
+    for (const {name, extensions} of tables.formats) part.format.append(element('option', {value: extensions[0]}, name));
+    part.run.addEventListener('click', () => this.run(false));
+    part.add.addEventListener('click', () => this.run(true));
+    part.cancel.addEventListener('click', () => this.client.cancel());
+    part.undo.addEventListener('click', () => this.undo());
+    part.download.addEventListener('click', () => this.download());
+    part.copy.addEventListener('click', () => navigator.clipboard.writeText(this.script()));
+    part.field.addEventListener('input', () => this.viewer.change({field: part.field.value || null}));
+    for (const key of ['lines', 'wire', 'flat']) {
+      part[key].addEventListener('input', () => this.viewer.change({[key]: part[key].checked}));
+    }
+    part.reset.addEventListener('click', () => {
+      this.viewer.camera.reset();
+      this.viewer.redraw();
+    });
+    part.mode.addEventListener('input', () => this.guarded(() => this.mode()));
+    this.turnTo(this.task);
+  }
+
+  turnTo(task) {
+    this.task = task;
+    for (const button of this.part.tasks.children) button.setAttribute('aria-pressed', button.dataset.task === task);
+    this.part.form.replaceChildren(this.panels[task].place);
+    this.settle();
+  }
+
+  /** Does something with the module; shows how far it is, and its error if it fails. */
+  async guarded(work) {
+    if (this.busy) return;
+    this.busy = true;
+    this.say('');
+    this.settle();
+    const start = performance.now();
+    try {
+      await work();
+      this.took = performance.now() - start;
+    } catch (error) {
+      this.took = Infinity;
+      this.say(error.message, 'error');
+    }
+    this.busy = false;
+    this.part.progress.hidden = true;
+    this.settle();
+  }
+
+  call(request, bytes) {
+    const {progress} = this.part;
+    const onProgress = (stage, done, of) => {
+      progress.hidden = false;
+      progress.textContent = of ? `${stage}: ${done} of ${of}` : stage;
+    };
+    return this.client.call(request, {bytes, onProgress});
+  }
+
+  say(text, kind = 'hint') {
+    this.part.words.className = kind;
+    this.part.words.textContent = text;
+  }
+
+  // Meshes.
+
+  async read(file) {
+    if (!file) return;
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    await this.open({verb: 'read', name: file.name}, file.name, bytes);
+  }
+
+  open(request, name, bytes) {
+    return this.guarded(async () => {
+      const {value} = await this.call(request, bytes);
+      const old = this.steps;
+      this.steps = [];
+      for (const {mesh} of old) await this.client.drop(mesh);
+      await this.push(value, name, request);
+      this.name = name;
+      this.viewer.state.vertex = -1;
+      const {unwelded, report} = value;
+      if (unwelded) this.say('The faces do not share their corners, as in STL files: run Repair first.');
+      else this.say(report?.text ?? '');
+      if (unwelded) this.turnTo('repair');
+      await this.describe(value.mesh);
+    });
+  }
+
+  /** Adds a mesh to the steps, with its fields. */
+  async push(value, title, request) {
+    const arrays = await this.client.mesh(value.mesh);
+    const step = {mesh: value.mesh, title, request, arrays, fields: new Map(), report: value.report};
+    for (const name of value.fields) step.fields.set(name, await this.client.field(value.mesh, name));
+    this.steps.push(step);
+    this.show();
+  }
+
+  async pop() {
+    const {mesh} = this.steps.pop();
+    await this.client.drop(mesh);
+  }
+
+  undo() {
+    if (this.steps.length > 1) this.guarded(async () => {
+      await this.pop();
+      this.show();
+    });
+  }
+
+  get last() {
+    return this.steps.at(-1);
+  }
+
+  /** The meshes that are shown. */
+  ends() {
+    return this.steps.length > 1 ? [this.steps[0], this.last] : this.steps;
+  }
+
+  show() {
+    this.viewer.show(this.ends());
+    const names = [...new Set(this.ends().flatMap(({fields}) => [...fields.keys()]))];
+    const {field} = this.part;
+    const wanted = names.includes(this.viewer.state.field) ? this.viewer.state.field : '';
+    field.replaceChildren(element('option', {value: ''}, 'nothing'), ...names.map((name) => element('option', {value: name}, name)));
+    field.value = wanted;
+    this.viewer.change({field: wanted || null});
+  }
+
+  async describe(mesh) {
+    const {value} = await this.call({verb: 'info', mesh});
+    const yes = (holds) => (holds ? 'yes' : 'no');
+    const rows = {
+      edges: value.edges,
+      components: value.components,
+      'boundary loops': value.boundary_loops,
+      genus: value.genus ?? 'undefined',
+      manifold: yes(value.manifold),
+      closed: yes(value.closed),
+      'degenerate faces': value.degenerate_faces.count,
+      area: readable(value.area),
+      volume: value.volume === null ? 'undefined' : readable(value.volume),
+      'mean edge': readable(value.mean_edge),
+    };
+    this.part.info.replaceChildren(...Object.entries(rows).flatMap(([name, x]) => [element('dt', {}, name), element('dd', {}, String(x))]));
+  }
+
+  // Tasks.
+
+  /** Runs the task again after a change, if it was quick. */
+  again() {
+    if (this.last?.request.verb === this.task && this.took < 500) this.run(false);
+  }
+
+  /** Runs the task; it replaces the result of the same task unless it shall be added. */
+  run(add) {
+    if (!this.steps.length) return this.say('Open a mesh first.');
+    const {task} = this;
+    const panel = this.panels[task];
+    const request = {verb: task, method: panel.method, values: panel.values()};
+    return this.guarded(async () => {
+      if (task === 'compare') return this.compare(request);
+      if (FIELDS[task]) return this.addFields(request);
+      const replaces = !add && this.steps.length > 1 && this.last.request.verb === task;
+      const base = replaces ? this.steps.at(-2) : this.last;
+      const {value} = await this.call({...request, mesh: base.mesh});
+      if (replaces) await this.pop();
+      const shown = Object.entries(request.values).map(([name, x]) => `${name} ${x}`).join(', ');
+      await this.push(value, [request.method, shown].filter(Boolean).join(', '), request);
+      await this.describe(value.mesh);
+      this.say(reported(value.report));
+    });
+  }
+
+  async addFields(request) {
+    for (const step of this.ends()) {
+      const {value, arrays} = await this.call({...request, mesh: step.mesh});
+      if (request.verb === 'spectrum') step.values = arrays.values;
+      for (const name of value.fields ?? []) step.fields.set(name, await this.client.field(step.mesh, name));
+    }
+    this.fields = request;
+    if (request.verb === 'spectrum') {
+      this.part.mode.max = this.last.values.length - 1;
+      this.part.mode.value = Math.min(5, this.last.values.length - 1);
+      await this.mode();
+    } else {
+      this.reveal(FIELDS[request.verb]);
+    }
+  }
+
+  /** Shows a mode of the spectra. */
+  async mode() {
+    const number = Number(this.part.mode.value);
+    const words = [];
+    for (const step of this.ends()) {
+      if (!step.values || number >= step.values.length) continue;
+      await this.call({verb: 'mode', mesh: step.mesh, mode: number});
+      step.fields.set('mode', await this.client.field(step.mesh, 'mode'));
+      words.push(readable(step.values[number]));
+    }
+    this.reveal('mode');
+    this.say(`Mode ${number}: eigenvalue ${words.join(' and ')}.`);
+  }
+
+  reveal(field) {
+    this.viewer.state.field = field;
+    this.show();
+  }
+
+  async compare(request) {
+    if (this.steps.length < 2) throw new Error('There is no result to compare with the original yet.');
+    const {value} = await this.call({...request, mesh: this.last.mesh, reference: this.steps[0].mesh});
+    const rows = value.scores.flatMap(({label, unit, value: x, reason}) => (
+      reason ? [] : [element('dt', {}, label), element('dd', {}, `${readable(x)} ${unit}`)]));
+    this.part.info.replaceChildren(...rows);
+  }
+
+  picked(vertex) {
+    if (vertex < 0) return this.say('');
+    this.panels[this.task].take(vertex);
+    const parts = this.ends().map(({title, arrays, fields}) => {
+      const at = [0, 1, 2].map((k) => readable(arrays.positions[3 * vertex + k], 4)).join(', ');
+      const values = [...fields].map(([name, x]) => `${name} ${readable(x[vertex])}`);
+      return `${title}: ${[`(${at})`, ...values].join('; ')}`;
+    });
+    this.say(`Vertex ${vertex}. ${parts.join('. ')}.`);
+    if (this.task === 'distance') this.run(false);
+  }
+
+  // What is kept.
+
+  /** The steps as commands of the program. */
+  script() {
+    const word = (text) => (/^[\w./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+    const stem = (this.name ?? 'mesh').replace(/\.\w+(\.gz)?$/, '');
+    let input = this.name ?? 'mesh.ply';
+    const lines = this.steps.slice(1).map(({request}, i) => {
+      const output = `${stem}-${i + 1}.ply`;
+      const {verb, method, values} = request;
+      const named = {smooth: '--method', denoise: '--method', noise: '--kind'}[verb];
+      const options = Object.entries(values).map(([name, x]) => (name === 'k' ? `-k ${x}` : `--${name} ${word(x)}`));
+      if (verb === 'noise' && !values.sigma) options.unshift('--sigma 0.3');
+      if (verb === 'reconstruct' && !values.k) options.unshift('-k 50');
+      const line = ['fairing', verb, word(input), '-o', word(output), ...(named ? [named, method] : []), ...options];
+      input = output;
+      return line.join(' ');
+    });
+    return `${lines.join('\n')}\n`;
+  }
+
+  download() {
+    return this.guarded(async () => {
+      const extension = this.part.format.value;
+      const {arrays} = await this.call({verb: 'write', mesh: this.last.mesh, format: extension});
+      const link = element('a', {download: `${(this.name ?? 'mesh').replace(/\.\w+(\.gz)?$/, '')}-fairing.${extension}`});
+      link.href = URL.createObjectURL(new Blob([arrays.bytes]));
+      link.click();
+      URL.revokeObjectURL(link.href);
+    });
+  }
+
+  settle() {
+    const {part, steps} = this;
+    const none = steps.length === 0;
+    part.work.hidden = none;
+    part.cancel.hidden = !this.busy;
+    for (const name of ['run', 'add', 'undo', 'download']) part[name].disabled = this.busy === true || none;
+    part.undo.disabled ||= steps.length < 2;
+    part.add.hidden = Boolean(FIELDS[this.task]) || this.task === 'compare' || steps.length < 2;
+    part.modes.hidden = this.task !== 'spectrum' || !this.last?.values;
+    part.steps.replaceChildren(...steps.map(({title, request}) => element('li', {}, `${TITLES[request.verb] ?? 'Opened'}: ${title}`)));
+    document.body.classList.toggle('busy', this.busy === true);
+  }
+}
+
+/** What a task reports, in a line. */
+function reported(report) {
+  const written = (x) => (typeof x === 'number' ? readable(x) : x === null || typeof x === 'object' ? null : String(x));
+  const entries = Object.entries(report ?? {}).map(([name, x]) => [name.replaceAll('_', ' '), written(x)]);
+  return entries.filter(([, x]) => x !== null).map(([name, x]) => `${name}: ${x}`).join('; ');
+}
+
+const textOf = (id) => document.getElementById(id).textContent;
+const bytesOf = (text) => Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+
+async function start() {
+  const root = document.documentElement;
+  const theme = document.getElementById('theme');
+  theme.hidden = false;
+  theme.addEventListener('click', () => {
+    const dark = root.dataset.theme ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
+    root.dataset.theme = dark === 'dark' ? 'light' : 'dark';
+    theme.textContent = dark;
+  });
+  if (!Renderer) throw new Error('This browser has no WebGL 2, without which nothing can be drawn.');
+  const packed = new Blob([bytesOf(textOf('module'))]).stream().pipeThrough(new DecompressionStream('gzip'));
+  const module = await WebAssembly.compile(await new Response(packed).arrayBuffer());
+  const source = URL.createObjectURL(new Blob([textOf('worker')], {type: 'text/javascript'}));
+  const client = new Client(module, () => new Worker(source));
+  const {value: tables} = await client.call({verb: 'tables'});
+  const maps = Object.entries(JSON.parse(textOf('colour-maps'))).map(([name, text]) => [name, bytesOf(text)]);
+  const laboratory = new Laboratory(client, tables, Object.fromEntries(maps));
+  document.querySelector('[data-part="loading"]').remove();
+  window.laboratory = laboratory;
+}
+
+start().catch((error) => {
+  document.querySelector('[data-part="loading"]').textContent = error.message;
+});

@@ -1,0 +1,84 @@
+//! `fairing.html`: the laboratory, one self-contained page that opens from disk.
+//!
+//! The module of `crates/web` computes, the viewer of the report draws. Nothing is requested from
+//! anywhere.
+
+use anyhow::Result;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+
+use fairing_figure::ColorMap;
+
+use super::bundle::{bundled, compact};
+use super::view;
+
+/// The scripts of the report that draw, in the order in which they use one another.
+const DRAWING: [&str; 5] = [
+    include_str!("../../assets/dom.js"),
+    include_str!("../../assets/renderer.js"),
+    include_str!("../../assets/camera.js"),
+    include_str!("../../assets/steer.js"),
+    include_str!("../../assets/bar.js"),
+];
+
+const PAGE: [(&str, &str); 4] = [
+    ("client.mjs", include_str!("../../../web/assets/client.mjs")),
+    ("viewer.mjs", include_str!("../../assets/laboratory/viewer.mjs")),
+    ("panel.mjs", include_str!("../../assets/laboratory/panel.mjs")),
+    ("lab.mjs", include_str!("../../assets/laboratory/lab.mjs")),
+];
+
+const WORKER: [(&str, &str); 2] = [
+    ("engine.mjs", include_str!("../../../web/assets/engine.mjs")),
+    ("worker.mjs", include_str!("../../../web/assets/worker.mjs")),
+];
+
+const STYLE: &str = include_str!("../../assets/style.css");
+const OWN_STYLE: &str = include_str!("../../assets/laboratory/style.css");
+const BODY: &str = include_str!("../../assets/laboratory/body.html");
+
+/// The laboratory with a gzip-compressed module.
+///
+/// # Errors
+///
+/// Scripts that import one another in a circle.
+pub fn laboratory(module: &[u8]) -> Result<String> {
+    let drawing = DRAWING.map(|text| format!("<script>{}</script>\n", compact(text))).concat();
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fairing laboratory</title>\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <meta name=\"color-scheme\" content=\"light dark\">\
+         <link rel=\"icon\" href=\"data:,\"><style>{style}</style></head><body>{BODY}\
+         <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n\
+         <script id=\"module\" type=\"text/plain\">{module}</script>\n\
+         <script id=\"worker\" type=\"text/plain\">{worker}</script>\n\
+         {drawing}<script type=\"module\">{page}</script></body></html>\n",
+        style = compact(&[STYLE, OWN_STYLE].concat()),
+        maps = view::color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]),
+        module = BASE64.encode(module),
+        worker = compact(&bundled(&WORKER)?),
+        page = compact(&bundled(&PAGE)?),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Scripts of one page share a scope, and the page holds the module and nothing from elsewhere.
+    #[test]
+    fn the_page_is_complete() {
+        let page = laboratory(b"module").unwrap();
+        assert!(page.contains(&BASE64.encode("module")));
+        let lines = || page.lines().map(str::trim_start);
+        assert!(!lines().any(|line| line.starts_with("import ") || line.starts_with("export ")));
+        for outside in ["src=", "https://", "fetch(", "XMLHttpRequest"] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        let mut names: Vec<&str> = lines().filter_map(|l| l.strip_prefix("class ")).collect();
+        let all = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), all);
+    }
+}
