@@ -230,8 +230,8 @@ class Moving(Base):
         >>> import pyfairing as pf
         >>> truth = pf.shapes.icosphere(4).scan([3, 1, 2], size=(80, 60))
         >>> noisy = truth.noise(0.67, kind="depth-camera", camera=truth.report["camera"])
-        >>> (noisy.faces == truth.faces).all()
-        np.True_
+        >>> bool((noisy.faces == truth.faces).all())
+        True
         """
         views = (
             None if camera is None else _arrays.point(camera, "camera"),

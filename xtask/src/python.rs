@@ -178,8 +178,8 @@ fn audit(environment: &Environment, wheel: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Builds the wheel into `target/wheels` and audits it; returns its path, or the reason for which there is no
-/// maturin.
+/// Builds the wheel into `target/wheels` and audits it; returns its path, or the reason for which
+/// there is no maturin.
 ///
 /// # Errors
 ///

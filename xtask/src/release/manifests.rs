@@ -19,10 +19,14 @@ pub(super) fn version(packages: &[Package]) -> Result<&str> {
     Ok(version)
 }
 
-/// Checks that all packages have one version, that published ones ask for it in each other, and
-/// that they need no package that is not published.
-pub(super) fn versions(_: &Path, packages: &[Package]) -> Result<Passed> {
+/// Checks that all packages and the recipe of conda have one version, that published ones ask for
+/// it in each other, and that they need no package that is not published.
+pub(super) fn versions(root: &Path, packages: &[Package]) -> Result<Passed> {
     let version = version(packages)?;
+    let recipe =
+        fs::read_to_string(root.join("python/recipe.yaml")).context("reading the recipe")?;
+    let same = recipe.contains(&format!("\n  version: \"{version}\"\n"));
+    ensure!(same, "python/recipe.yaml has another version than {version}");
     let problems = unpublishable(packages, version);
     ensure!(problems.is_empty(), "{}", problems.join("\n"));
     Ok(Passed::Done(version.to_owned()))

@@ -62,7 +62,7 @@ fn kilobytes(text: &str, name: &str) -> Option<u64> {
     number.checked_mul(1024)
 }
 
-/// What the control group of a container or a batch job leaves.
+/// Bytes left by the control group of a container or a batch job.
 fn left_to_group() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
     let group = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
@@ -73,13 +73,14 @@ fn left_to_group() -> Option<u64> {
     Some(number("memory.max")?.saturating_sub(number("memory.current")?))
 }
 
-/// What `ulimit -v` leaves.
+/// Bytes left by `ulimit -v`.
 fn left_to_address_space() -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    Some(limit.saturating_sub(kilobytes(&status, "VmSize:")?))
+    // The allocator has reserved more than is in use, and gives it out first.
+    Some(limit.saturating_sub(kilobytes(&status, "VmRSS:")?))
 }
 
 #[cfg(test)]

@@ -251,9 +251,9 @@ impl Repaired {
 ///
 /// # Errors
 ///
-/// [`RepairError::Option`] if the tolerance is not in `[0, 1]`, `thin` not in `[0, 0.1]`, or `holes`
-/// above [`RepairOptions::MAX_HOLE`]; [`RepairError::Positions`] if the vertices that are left span
-/// less than a mesh may.
+/// [`RepairError::Option`] if the tolerance is not in `[0, 1]`, `thin` not in `[0, 0.1]`, or
+/// `holes` above [`RepairOptions::MAX_HOLE`]; [`RepairError::Positions`] if the vertices that are
+/// left span less than a mesh may.
 ///
 /// # Examples
 ///

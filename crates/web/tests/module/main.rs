@@ -12,6 +12,9 @@ use std::process::Command;
 use anyhow::Result;
 use libtest_mimic::{Arguments, Failed, Trial};
 
+/// A test that takes the path of a module.
+type Test = fn(PathBuf) -> Result<()>;
+
 fn main() {
     let path = std::env::var_os("FAIRING_WEB_MODULE").map(PathBuf::from);
     let path = path.unwrap_or_else(|| {
@@ -28,7 +31,7 @@ fn main() {
     let meshes = cases::meshes().into_iter().map(|(name, mesh)| {
         trial(format!("same_answers::{name}"), Box::new(move |path| cases::same(&path, &mesh)))
     });
-    let others: [(&str, fn(PathBuf) -> Result<()>); 4] = [
+    let others: [(&str, Test); 4] = [
         ("meshes_survive_cancelling_and_defects", cases::client),
         ("errors_leave_the_session_intact", cases::errors),
         ("memory_stays_flat", cases::flat),
