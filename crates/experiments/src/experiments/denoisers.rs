@@ -50,8 +50,8 @@ const PAIRS: [(&str, Input, Input); 6] = [
     ("noisy machine part", Input::NoisyFandisk, Input::Fandisk),
 ];
 
-/// The generated meshes: with creases, smooth, detailed. They are of families on which no result was
-/// known when the automatic denoiser was trained and its constants chosen.
+/// The generated meshes: with creases, smooth, detailed. They are of families on which no result
+/// was known when the automatic denoiser was trained and its constants chosen.
 const GENERATED: [Family; 3] = [Family::Bolt, Family::Vase, Family::Fluted];
 
 /// A quick run leaves out noisy meshes of more faces than this.
@@ -102,7 +102,7 @@ impl Experiment for Denoisers {
         let mut outcome = Outcome::default();
         let mut scores = scores_table();
         literature(context, &mut scores, &mut outcome)?;
-        let faces = if context.is_quick() { 1500 } else { 8000 };
+        let faces = if context.is_quick() { 2500 } else { 8000 };
         let bodies = GENERATED.map(|family| {
             let seed = context.seed(family.name());
             Body::new(family.name(), family.mesh(faces, Triangulation::Irregular, seed))

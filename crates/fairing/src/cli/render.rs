@@ -106,10 +106,7 @@ impl Render {
         let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         say_orientation(context, input, &file.mesh);
-        let (scale, colors) = match self.colors(context, &file.mesh, &file.fields)? {
-            Some((scale, colors)) => (scale, Some(colors)),
-            None => (None, None),
-        };
+        let (scale, colors) = self.colors(context, &file.mesh, &file.fields)?;
         let mut image = self.draw(&file.mesh, &colors)?;
         if let (true, Some(scale), Some(quantity)) = (self.bar, scale, self.field.clone()) {
             image = with_bar(image, ColorBar { scale, quantity, unit: String::new() })?;
@@ -150,9 +147,9 @@ impl Render {
         context: &Context,
         mesh: &TriMesh,
         fields: &VertexFields,
-    ) -> Result<Option<(Option<Scale>, Vec<[u8; 3]>)>, Failure> {
+    ) -> Result<(Option<Scale>, Option<Vec<[u8; 3]>>), Failure> {
         let Some(name) = &self.field else {
-            return Ok(fields.colors.clone().map(|colors| (None, colors)));
+            return Ok((None, fields.colors.clone()));
         };
         let values = values_of(fields, name)?;
         // Flags have a value everywhere.
@@ -173,7 +170,7 @@ impl Render {
             number(scale.low()),
             number(scale.high())
         ))?;
-        Ok(Some((Some(scale), colors)))
+        Ok((Some(scale), Some(colors)))
     }
 }
 

@@ -13,6 +13,21 @@ pub(crate) struct Finished {
     pub(crate) report: ReadReport,
 }
 
+/// Refuses faces that repeat a corner, and doubts.
+fn check_strictly(reduced: &[usize], left_out: &[usize], doubts: &[String]) -> Result<(), Fault> {
+    let problem = match reduced.iter().take(1).chain(left_out.first()).min() {
+        Some(face) => {
+            let count = reduced.len() + left_out.len();
+            format!("face {face} repeats a corner ({count} such faces)")
+        }
+        None => match doubts.first() {
+            Some(doubt) => doubt.clone(),
+            None => return Ok(()),
+        },
+    };
+    Err(Fault::whole(ReadProblem::Strict(problem)))
+}
+
 impl Parsed {
     /// Checks sizes, reduces faces that repeat a corner, leaves out faces without area and fields
     /// that are not finite (strict reading refuses all three), and writes the report.
@@ -50,16 +65,7 @@ impl Parsed {
             reduced.iter_mut().chain(&mut left_out).for_each(|face| *face = dropped.kept[*face]);
         }
         if options.strictness == Strictness::Strict {
-            if let Some(face) = reduced.first().into_iter().chain(left_out.first()).min() {
-                let problem = ReadProblem::Strict(format!(
-                    "face {face} repeats a corner ({} such faces)",
-                    reduced.len() + left_out.len()
-                ));
-                return Err(Fault::whole(problem));
-            }
-            if let Some(doubt) = self.doubts.first() {
-                return Err(Fault::whole(ReadProblem::Strict(doubt.clone())));
-            }
+            check_strictly(&reduced, &left_out, &self.doubts)?;
         }
         let larger = match &polygons {
             Polygons::Triangles(_) => 0,

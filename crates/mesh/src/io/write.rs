@@ -30,8 +30,9 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 
 /// [`write()`] with fields and options.
 ///
-/// PLY holds all fields, those of faces and texture coordinates included; OBJ colours (after the coordinates, from 0 to 1); OFF
-/// colours and the vector field `normal`; STL none. A field that the format cannot
+/// PLY holds all fields, those of faces and texture coordinates included; VTP all but texture
+/// coordinates; OBJ colours (after the coordinates, from 0 to 1); OFF colours and the vector field
+/// `normal`; STL none. A field that the format cannot
 /// hold is an error unless the options drop it.
 ///
 /// # Errors

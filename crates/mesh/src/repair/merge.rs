@@ -35,14 +35,14 @@ impl Work {
         }
         watch::check();
         let mut surface = TriMesh::from_checked(self.mesh.positions().to_vec(), joined);
-        if options.orient {
-            if let Some(flips) = surface.flips() {
-                for (f, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
-                    corners[f].swap(1, 2);
-                    self.turned[f] ^= true;
-                }
-                surface = surface.turned(&flips);
+        if options.orient
+            && let Some(flips) = surface.flips()
+        {
+            for (f, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
+                corners[f].swap(1, 2);
+                self.turned[f] ^= true;
             }
+            surface = surface.turned(&flips);
         }
         watch::check();
         let sheets = match options.split {
@@ -113,6 +113,23 @@ impl Work {
         };
         let keep: Vec<bool> = (0..taken.len()).map(stays).collect();
         self.note(RepairStep::SplitVertices, copied);
+        self.note_merged(places, corners, &faces, &used, &keep);
+        self.mesh = TriMesh::from_checked(positions, faces);
+        if keep.contains(&false) {
+            self.keep_vertices(&keep);
+        }
+    }
+
+    /// Notes the vertices that are not kept, with those that have taken their corners or, without a
+    /// face, their place.
+    fn note_merged(
+        &mut self,
+        places: &[u32],
+        corners: &[[u32; 3]],
+        faces: &[[u32; 3]],
+        used: &[bool],
+        keep: &[bool],
+    ) {
         let mut merged = vec![];
         for (&v, &w) in corners.as_flattened().iter().zip(faces.as_flattened()) {
             if !keep[v as usize] {
@@ -128,10 +145,6 @@ impl Work {
             let [v, into] = [v, into].map(|v| self.vertex_sources[v as usize]);
             self.note(RepairStep::MergedVertices, [v]);
             self.merged_into.extend(v.zip(into));
-        }
-        self.mesh = TriMesh::from_checked(positions, faces);
-        if keep.contains(&false) {
-            self.keep_vertices(&keep);
         }
     }
 }

@@ -175,13 +175,11 @@ impl<'a> Pass<'a> {
             return;
         }
         match *topology.edge_faces(e) {
-            [_] => {
-                // Its apex stays on a face only if it has another one.
-                if self.faces_at(apex).count() > 1 {
-                    self.keep[f as usize] = false;
-                    self.changed.push(f);
-                    self.touched.extend(face);
-                }
+            // Its apex stays on a face only if it has another one.
+            [_] if self.faces_at(apex).count() > 1 => {
+                self.keep[f as usize] = false;
+                self.changed.push(f);
+                self.touched.extend(face);
             }
             [g, h] => {
                 let other = if g == f { h } else { g };

@@ -5,9 +5,8 @@ use rayon::prelude::*;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
-use crate::io::ply::FORMAT;
 use crate::io::ply::header::name_of;
-use crate::io::ply::layout::{INDICES, TEXTURE, field_names, vertex_names};
+use crate::io::ply::layout::{INDICES, NAME, TEXTURE, field_names, vertex_names};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
 use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
@@ -69,10 +68,12 @@ fn put_text(values: &[f64], number: NumberType, text: &mut Vec<u8>) {
     }
 }
 
+/// Texture coordinates, their type, and the place of the first corner of each face.
+type Texture<'a> = (&'a [[f64; 2]], NumberType, Vec<usize>);
+
 /// The lists of a face and its other columns.
 struct FaceColumns<'a> {
-    /// The texture coordinates with the place of the first corner of each face.
-    texture: Option<(&'a [[f64; 2]], NumberType, Vec<usize>)>,
+    texture: Option<Texture<'a>>,
     columns: Vec<Column<'a>>,
     /// True if a byte counts the numbers of each list.
     short_lists: bool,
@@ -85,7 +86,7 @@ pub(super) fn encode(
     let mut vertices = vec![Column::Vector(
         surface.positions,
         width_of(
-            FORMAT.name,
+            NAME,
             "the positions",
             surface.positions.as_flattened(),
             None,
@@ -167,7 +168,7 @@ fn face_columns(surface: Surface<'_>, width: FloatWidth) -> Result<FaceColumns<'
         Some(all) => {
             let kept = fields.types.get(TEXTURE).copied();
             let number =
-                width_of(FORMAT.name, "the texture coordinates", all.as_flattened(), kept, width)?;
+                width_of(NAME, "the texture coordinates", all.as_flattened(), kept, width)?;
             let mut starts = vec![0];
             let mut end = 0;
             starts.extend((0..faces.len()).map(|f| {
@@ -185,11 +186,10 @@ fn columns(fields: Attributes<'_>, width: FloatWidth) -> Result<Vec<Column<'_>>,
     let kept = |name: &str| fields.types.get(name).copied();
     let mut columns = Vec::new();
     for (name, values) in fields.scalars {
-        columns
-            .push(Column::Scalar(values, width_of(FORMAT.name, name, values, kept(name), width)?));
+        columns.push(Column::Scalar(values, width_of(NAME, name, values, kept(name), width)?));
     }
     for (name, values) in fields.vectors {
-        let number = width_of(FORMAT.name, name, values.as_flattened(), kept(name), width)?;
+        let number = width_of(NAME, name, values.as_flattened(), kept(name), width)?;
         columns.push(Column::Vector(values, number));
     }
     columns.extend(fields.colors.map(Column::Color));

@@ -3,6 +3,9 @@
 use crate::io::fields::Attributes;
 use crate::io::{FaceFields, VertexFields};
 
+/// The name of the format.
+pub(super) const NAME: &str = "PLY";
+
 /// The name and type of a property.
 pub(crate) struct Column<'a> {
     pub(crate) name: &'a str,

@@ -1,8 +1,8 @@
 //! PLY, the Stanford polygon format: text, and binary of either byte order.
 //!
 //! Elements and properties may have any order and any type. Scalar properties of
-//! vertices and faces become fields, which keep their types; faces are the lists `vertex_indices` (or
-//! `vertex_index`) of the element `face`, or the strips of `tristrips`.
+//! vertices and faces become fields, which keep their types; faces are the lists `vertex_indices`
+//! (or `vertex_index`) of the element `face`, or the strips of `tristrips`.
 
 mod columns;
 mod encode;
@@ -21,7 +21,7 @@ use header::{Body, Element, Header, Kind};
 use source::{AsciiSource, BinarySource, Source};
 
 pub(super) const FORMAT: Row = Row {
-    name: "PLY",
+    name: layout::NAME,
     extensions: &["ply"],
     looks_like,
     parse,

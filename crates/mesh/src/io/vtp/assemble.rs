@@ -6,9 +6,8 @@ use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, check_finite, strip_triangles};
 use crate::io::ply::layout::{INDICES, TEXTURE};
-use crate::io::vtp::COLORS;
 use crate::io::vtp::data::Decoder;
-use crate::io::vtp::document::{self, Array, ArrayType, Document, Piece, Section};
+use crate::io::vtp::document::{self, Array, ArrayType, COLORS, Document, Piece, Section};
 use crate::polygon::Polygons;
 
 pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
@@ -244,7 +243,7 @@ fn decode(
     count: usize,
     parsed: &mut Parsed,
 ) -> Result<Vec<f64>, Fault> {
-    let expected = count.checked_mul(array.components).unwrap_or(usize::MAX);
+    let expected = count.saturating_mul(array.components);
     let values = decoder.floats(array, Some(expected))?;
     const EXACT: f64 = 9_007_199_254_740_992.0;
     let wide = matches!(array.kind, ArrayType::I64 | ArrayType::U64);

@@ -253,7 +253,7 @@ impl<'a> Stream<'a> {
         let length = usize::try_from(word(&header, word_size, big_endian)).ok()?;
         // Some writers encode the header by itself.
         let alone = word_size.div_ceil(3) * 4;
-        if word_size % 3 != 0 && self.data.get(alone - 1) == Some(&b'=') {
+        if !word_size.is_multiple_of(3) && self.data.get(alone - 1) == Some(&b'=') {
             self.at = alone;
             return self.take(length);
         }

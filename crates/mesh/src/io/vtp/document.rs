@@ -9,6 +9,11 @@ use quick_xml::{Reader, XmlVersion};
 use crate::io::NumberType;
 use crate::io::error::{Fault, ReadProblem, unexpected};
 
+/// The name of the format.
+pub(super) const NAME: &str = "VTP";
+/// The name of the array of colours.
+pub(super) const COLORS: &str = "RGB";
+
 /// The type of the numbers of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ArrayType {

@@ -8,7 +8,7 @@ use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
 use crate::io::surface::{Encoded, Faces, Surface, lines};
-use crate::io::vtp::{COLORS, FORMAT};
+use crate::io::vtp::document::{COLORS, NAME};
 use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
@@ -113,7 +113,7 @@ pub(super) fn encode(
     let Surface { positions, faces, fields } = surface;
     let width = options.float_width;
     let values = positions.as_flattened();
-    let points = width_of(FORMAT.name, "the positions", values, None, width)?;
+    let points = width_of(NAME, "the positions", values, None, width)?;
     let points =
         DataArray { name: "Points", components: 3, values: Values::Floats(values, points) };
     let mut end = 0;
@@ -166,14 +166,14 @@ fn arrays(fields: Attributes<'_>, width: FloatWidth) -> Result<Vec<DataArray<'_>
     };
     let kept = |name: &str| fields.types.get(name).copied();
     for (name, values) in fields.scalars {
-        let number = width_of(FORMAT.name, name, values, kept(name), width)?;
+        let number = width_of(NAME, name, values, kept(name), width)?;
         add(name, 1, Values::Floats(values, number))?;
     }
     for (name, values) in fields.vectors {
         let values = values.as_flattened();
         // Three bytes of this name are colours.
         let kept = kept(name).filter(|&kept| name != COLORS || kept != NumberType::U8);
-        let number = width_of(FORMAT.name, name, values, kept, width)?;
+        let number = width_of(NAME, name, values, kept, width)?;
         add(name, 3, Values::Floats(values, number))?;
     }
     if let Some(colors) = fields.colors {

@@ -13,7 +13,7 @@ mod encode;
 use crate::io::row::{Holds, Row};
 
 pub(super) const FORMAT: Row = Row {
-    name: "VTP",
+    name: document::NAME,
     extensions: &["vtp"],
     looks_like,
     parse: assemble::parse,
@@ -29,9 +29,6 @@ pub(super) const FORMAT: Row = Row {
         float_widths: true,
     },
 };
-
-/// The name of the array of colours.
-const COLORS: &str = "RGB";
 
 /// Returns true for XML whose first element is a `VTKFile` of `PolyData`.
 fn looks_like(bytes: &[u8]) -> bool {
