@@ -147,7 +147,7 @@ impl Render {
         context: &Context,
         mesh: &TriMesh,
         fields: &VertexFields,
-    ) -> Result<(Option<Scale>, Option<Vec<[u8; 3]>>), Failure> {
+    ) -> Result<Colored, Failure> {
         let Some(name) = &self.field else {
             return Ok((None, fields.colors.clone()));
         };
@@ -173,6 +173,9 @@ impl Render {
         Ok((Some(scale), Some(colors)))
     }
 }
+
+/// The scale of a field, and colours of the vertices.
+type Colored = (Option<Scale>, Option<Vec<[u8; 3]>>);
 
 /// The picture with a colour bar below it.
 fn with_bar(image: Image, bar: ColorBar) -> Result<Image, Failure> {
