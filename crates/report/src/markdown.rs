@@ -10,7 +10,7 @@ use fairing_results::verdict::Judgement;
 
 /// The report in Markdown. Links are relative to its folder.
 pub(crate) fn report(results: &Results) -> String {
-    let mut text = format!("# {}\n\n{}\n\n", story::TITLE, story::ABOUT);
+    let mut text = format!("# {}\n\n{}\n\n", story::TITLE, story::about(results));
     text += &provenance(results);
     text += &found(results);
     text += &claims(results);

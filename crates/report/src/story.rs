@@ -28,8 +28,21 @@ pub(crate) fn first_playground() -> section::Playground {
 }
 
 /// The subject of the report, before its findings.
-pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
-    meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";
+const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
+    meshes, done again. One command runs, draws and measures the experiments, and each claim is tested by numbers; \
+    only the tables of the benchmark of denoisers are stored results.";
+
+/// The subject of the report, and whether generated meshes take the place of the assignment's.
+pub(crate) fn about(results: &Results) -> String {
+    let stand_in = results.experiments.iter().flat_map(|r| &r.inputs).any(|input| input.stand_in);
+    match stand_in {
+        true => format!(
+            "{ABOUT} In this run generated meshes of the same kind take the place of the assignment's: where the text \
+             names its flower, plane or machine part, it means these."
+        ),
+        false => ABOUT.into(),
+    }
+}
 
 /// A part of the article.
 pub(crate) struct Act {

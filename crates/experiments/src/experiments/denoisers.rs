@@ -62,7 +62,7 @@ fn section() -> Section {
     Section::new(
         Act::Diffusion,
         "Flows smooth creases as well as noise. Denoisers filter normals instead of positions; this \
-                last section compares them on the meshes of the literature.",
+                last section compares them.",
     )
     .commands(&["fairing denoise noisy.ply -o restored.ply  # no parameters", "fairing denoise noisy.ply -o guided.ply --method guided-normal", "fairing compare restored.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
@@ -333,7 +333,7 @@ fn best(scores: &Table) -> Result<Table> {
 /// E_a of every method, the mean over the levels, a bar for each kind of mesh.
 fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     let mut plot = Plot {
-        y: Axis::log("E_a in degrees"),
+        y: Axis::linear("E_a in degrees"),
         categories: methods().map(|m| short_name(m).into()).collect(),
         legend: Legend::Lines,
         ..Plot::default()

@@ -155,7 +155,7 @@ fn opening(results: &Results) -> String {
         story::IDEA,
         figures::playground(&story::first_playground(), ""),
         story::QUESTION,
-        story::ABOUT,
+        story::about(results),
         story::tally(results)
     );
     let claim = |c: &&Judgement| {
