@@ -12,7 +12,7 @@ use fairing_mesh::TriMesh;
 use super::families;
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};
-use super::models::FEATURE;
+use super::models::{CREASES, FEATURE};
 use super::restoring::{Body, Method};
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::{Input, Pair};
@@ -370,14 +370,14 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     let facts = |panel: Panel, meshes: &[TriMesh]| -> Result<Panel> {
         let mut columns = [vec![], vec![], vec![]];
         for mesh in meshes {
-            let recall = feature_edges(mesh, truth, FEATURE)?.recall();
+            let creases = feature_edges(mesh, truth, FEATURE)?.f_score();
             columns[0].push(Some(normal_error(mesh, truth)?.mean));
             columns[1].push(drift(mesh, truth).volume.map(|volume| 100.0 * volume));
-            columns[2].push(recall.map(|recall| 100.0 * recall));
+            columns[2].push(creases.map(|score| 100.0 * score));
         }
         let [angles, volumes, creases] = columns;
-        let panel = panel.with_fact("E_a", "°", angles).with_fact("volume", "%", volumes);
-        Ok(panel.with_fact("creases kept", "%", creases))
+        let panel = panel.with_fact("normal error", "°", angles).with_fact("volume", "%", volumes);
+        Ok(panel.with_fact(CREASES, "%", creases))
     };
     let moving = Panel::moving("result", truth, results.iter().map(|mesh| mesh.positions()));
     let own = names

@@ -15,7 +15,7 @@ use super::methods::{ASSIGNMENT, KEPT};
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
-use crate::experiments::models::FEATURE;
+use crate::experiments::models::{CREASES, FEATURE};
 use crate::experiments::restoring::{Body, Method};
 use crate::outcome::Picture;
 use crate::table::{Cell, Table};
@@ -184,15 +184,15 @@ impl<'a> Restored<'a> {
     fn with_facts(&self, panel: Panel, meshes: &[&TriMesh]) -> Result<Panel> {
         let truth = &self.body.truth;
         let of = |mesh: &&TriMesh| -> Result<[Option<f64>; 3]> {
-            let recall = feature_edges(mesh, truth, FEATURE)?.recall();
+            let creases = feature_edges(mesh, truth, FEATURE)?.f_score();
             Ok([
                 Some(normal_error(mesh, truth)?.mean),
                 drift(mesh, truth).volume.map(|v| 100.0 * v),
-                recall.map(|r| 100.0 * r),
+                creases.map(|score| 100.0 * score),
             ])
         };
         let facts: Vec<_> = meshes.par_iter().map(of).collect::<Result<_>>()?;
-        let named = [("E_a", "°"), ("volume", "%"), ("creases kept", "%")];
+        let named = [("normal error", "°"), ("volume", "%"), (CREASES, "%")];
         Ok(named.into_iter().enumerate().fold(panel, |panel, (k, (name, unit))| {
             panel.with_fact(name, unit, facts.iter().map(|fact| fact[k]).collect())
         }))
