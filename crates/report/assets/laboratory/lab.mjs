@@ -1,6 +1,6 @@
 import {Client} from '../../../web/assets/client.mjs';
 import {Panel} from './panel.mjs';
-import {Viewer} from './viewer.mjs';
+import {Viewer} from '../../../figure/viewer/viewer.mjs';
 
 /** Requests of tasks that only add fields to a mesh; all others make a new one. */
 const FIELDS = {curvature: 'mean', distance: 'distance', spectrum: 'mode'};

@@ -10,20 +10,20 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use fairing_figure::ColorMap;
 
 use super::bundle::{bundled, compact};
-use super::view;
+use super::{STYLE, view};
 
 /// The scripts of the report that draw, in the order in which they use one another.
 const DRAWING: [&str; 5] = [
-    include_str!("../../assets/dom.js"),
-    include_str!("../../assets/renderer.js"),
-    include_str!("../../assets/camera.js"),
-    include_str!("../../assets/steer.js"),
-    include_str!("../../assets/bar.js"),
+    include_str!("../../../figure/viewer/dom.js"),
+    include_str!("../../../figure/viewer/renderer.js"),
+    include_str!("../../../figure/viewer/camera.js"),
+    include_str!("../../../figure/viewer/steer.js"),
+    include_str!("../../../figure/viewer/bar.js"),
 ];
 
 const PAGE: [(&str, &str); 4] = [
     ("client.mjs", include_str!("../../../web/assets/client.mjs")),
-    ("viewer.mjs", include_str!("../../assets/laboratory/viewer.mjs")),
+    ("viewer.mjs", include_str!("../../../figure/viewer/viewer.mjs")),
     ("panel.mjs", include_str!("../../assets/laboratory/panel.mjs")),
     ("lab.mjs", include_str!("../../assets/laboratory/lab.mjs")),
 ];
@@ -33,7 +33,6 @@ const WORKER: [(&str, &str); 2] = [
     ("worker.mjs", include_str!("../../../web/assets/worker.mjs")),
 ];
 
-const STYLE: &str = include_str!("../../assets/style.css");
 const OWN_STYLE: &str = include_str!("../../assets/laboratory/style.css");
 const BODY: &str = include_str!("../../assets/laboratory/body.html");
 

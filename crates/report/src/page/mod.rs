@@ -1,8 +1,8 @@
 //! `report.html`: one self-contained page that opens from disk.
 //!
 //! Text, tables and figures are plain HTML and readable without scripts; the
-//! interactive views are brought to life by the scripts of `assets/`, which
-//! stand in the page as they are. Nothing is requested from anywhere.
+//! interactive views are brought to life by the scripts of `assets/` and of
+//! `crates/figure/viewer`, which stand in the page as they are. Nothing is requested from anywhere.
 //!
 //! The page smooths meshes itself by conjugate gradients in its own script
 //! (`assets/solver.js`), not by our crates as WebAssembly: that would need a
@@ -33,15 +33,15 @@ pub use laboratory::laboratory;
 
 /// The scripts, in the order in which they use one another.
 const SCRIPTS: [&str; 22] = [
-    include_str!("../../assets/dom.js"),
+    include_str!("../../../figure/viewer/dom.js"),
     include_str!("../../assets/geometry.js"),
     include_str!("../../assets/eigen.js"),
     include_str!("../../assets/data.js"),
     include_str!("../../assets/solver.js"),
-    include_str!("../../assets/renderer.js"),
-    include_str!("../../assets/camera.js"),
-    include_str!("../../assets/steer.js"),
-    include_str!("../../assets/bar.js"),
+    include_str!("../../../figure/viewer/renderer.js"),
+    include_str!("../../../figure/viewer/camera.js"),
+    include_str!("../../../figure/viewer/steer.js"),
+    include_str!("../../../figure/viewer/bar.js"),
     include_str!("../../assets/live.js"),
     include_str!("../../assets/modes.js"),
     include_str!("../../assets/derived.js"),
@@ -57,7 +57,10 @@ const SCRIPTS: [&str; 22] = [
     include_str!("../../assets/page.js"),
 ];
 
-const STYLE: &str = include_str!("../../assets/style.css");
+const STYLE: &str = concat!(
+    include_str!("../../../figure/viewer/style.css"),
+    include_str!("../../assets/style.css")
+);
 
 /// A font for formulas: DejaVu Math TeX Gyre, cut down to ASCII, Greek, italics and operators. Its
 /// licence is that of `crates/figure/fonts`, and its extensions are in the public domain.
