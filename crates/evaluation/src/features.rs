@@ -32,6 +32,14 @@ impl FeatureEdges {
     pub fn recall(&self) -> Option<f64> {
         (self.expected > 0).then(|| self.shared as f64 / self.expected as f64)
     }
+
+    /// The F-score, the harmonic mean of precision and recall: 1 where both have the same sharp
+    /// edges, 0 where they share none. Unlike recall, it falls where noise makes further edges
+    /// sharp. `None` if the reference has none.
+    pub fn f_score(&self) -> Option<f64> {
+        let both = (self.found + self.expected) as f64;
+        (self.expected > 0).then(|| 2.0 * self.shared as f64 / both)
+    }
 }
 
 /// Compares, edge by edge, the edges with a dihedral angle of at least
@@ -79,5 +87,19 @@ mod tests {
         assert_eq!((edges.precision(), edges.recall()), (Some(0.5), Some(0.25)));
         let none = FeatureEdges { shared: 0, found: 0, expected: 0 };
         assert_eq!((none.precision(), none.recall()), (None, None));
+    }
+
+    /// Recall alone calls a mesh all of whose edges are sharp perfect.
+    #[test]
+    fn the_f_score_falls_where_too_many_edges_are_sharp() {
+        let edges = FeatureEdges { shared: 1, found: 2, expected: 4 };
+        let (precision, recall) = (0.5, 0.25);
+        let harmonic = 2.0 / (1.0 / precision + 1.0 / recall);
+        assert!((edges.f_score().unwrap() - harmonic).abs() < 1e-15);
+        let exploded = FeatureEdges { shared: 10, found: 990, expected: 10 };
+        assert_eq!((exploded.recall(), exploded.f_score()), (Some(1.0), Some(0.02)));
+        let lost = FeatureEdges { shared: 0, found: 0, expected: 4 };
+        let none = FeatureEdges { shared: 0, found: 3, expected: 0 };
+        assert_eq!((lost.f_score(), none.f_score()), (Some(0.0), None));
     }
 }

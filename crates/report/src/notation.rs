@@ -21,7 +21,7 @@ const fn symbol(sign: &'static str, meaning: &'static str, tex: &'static [&'stat
 pub(crate) const SYMBOLS: [Symbol; 30] = [
     symbol("x, X", "the position of a vertex; those of all of them", &["x", "X"]),
     symbol("i, j", "numbers of vertices and of modes", &["i", "j"]),
-    symbol("d", "the number of neighbours of a vertex; du and dv are steps of u and v", &["d"]),
+    symbol("d", "in du and dv: small steps of u and v", &["d"]),
     symbol("T", "a triangle", &["T"]),
     symbol("A", "the area of a vertex or of a triangle", &["A"]),
     symbol("α, β", "angles of triangles: at a vertex, or opposite an edge", &["\\alpha", "\\beta"]),
@@ -46,17 +46,17 @@ pub(crate) const SYMBOLS: [Symbol; 30] = [
     symbol("L", "the uniform Laplacian D⁻¹W − I", &["L"]),
     symbol(
         "D, W, I",
-        "numbers of neighbours on a diagonal; 1 for each edge; the unit matrix",
+        "numbers of neighbours of each vertex, on the diagonal; 1 for each edge; the unit matrix",
         &["D", "W", "I"],
     ),
     symbol("μ", "an eigenvalue of L, from −2 to 0; the roughest mode has the least", &["\\mu"]),
     symbol(
         "λ, s",
-        "the length of a step, and the number of steps; s λ is the diffusion time",
+        "the length of a step, and the number of steps taken; s λ is the diffusion time",
         &["\\lambda", "s"],
     ),
     symbol("t, r", "time, and the radius of a sphere", &["t", "r"]),
-    symbol("E_a, E_v", "mean errors of normals, in degrees, and of vertices", &["E_a", "E_v"]),
+    symbol("E_a, E_v", "the normal error, in degrees, and the vertex error, in h", &["E_a", "E_v"]),
 ];
 
 /// The sentence that defines h for a section; `None` if it does not use h.

@@ -22,7 +22,7 @@ pub(crate) const QUESTION: &str = "On this mesh the rule turns at λ = 4/3: belo
 pub(crate) fn first_playground() -> section::Playground {
     section::Playground {
         kind: "opening".into(),
-        caption: "Drag λ. Twelve steps of the rule, on a bumpy ball with noise.".into(),
+        caption: "A bumpy ball with noise, and the same ball after twelve steps of the rule. The slider is λ.".into(),
         alt: "A bumpy ball before and after twelve steps towards the neighbours.".into(),
     }
 }

@@ -38,6 +38,10 @@ all_shared!(
     fairing::mesh::Incidence,
     fairing::mesh::Orientation,
     fairing::mesh::PolygonMesh,
+    fairing::mesh::RepairError,
+    fairing::mesh::RepairOptions,
+    fairing::mesh::RepairStep,
+    fairing::mesh::Repaired,
     fairing::mesh::Welded,
     fairing::mesh::Tally,
     fairing::mesh::Topology,
@@ -149,6 +153,7 @@ all_shared!(
     // spectral
     fairing::spectral::Compressed,
     fairing::spectral::Filtered,
+    fairing::spectral::GeodesicPath,
     fairing::spectral::HeatDiffusion,
     fairing::spectral::HeatGeodesics,
     fairing::spectral::Poisson<'static>,
@@ -158,6 +163,7 @@ all_shared!(
     fairing::spectral::Spectrum,
     fairing::spectral::SpectrumOptions,
     fairing::spectral::Split,
+    fairing::spectral::SurfacePoint,
     // smoothing
     fairing::smoothing::Approach,
     fairing::smoothing::Boundary,

@@ -150,7 +150,7 @@ fn numbered(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(
         "(() => {
-           const captions = [...document.querySelectorAll('figcaption')].map((c) => c.textContent);
+           const captions = [...document.querySelectorAll('figcaption')].slice(1).map((c) => c.textContent);
            const numbers = captions.map((c) => Number(/^Figure (\\d+)\\./.exec(c)?.[1]));
            return [numbers.every((n, i) => n === i + 1), numbers.length, captions.filter((c) => c.length < 60)];
          })()",

@@ -151,7 +151,7 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let live = chrome.run("fairing.views.get('q5-flow').live.on")?;
     ensure!(live == true, "the result is not shown");
     chrome.picture("live")?;
-    // The address restores the state, and the other slider leaves it.
+    // The address restores the state, and the button leaves it.
     let address = chrome.run(&format!("({ADDRESS})()"))?;
     ensure!(address != "", "the address does not hold the live result");
     chrome.call("Page.navigate", json!({"url": "about:blank"}))?;
@@ -164,11 +164,11 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     );
     let live = chrome.run(
         "(() => {
-           const s = document.querySelector('#q5-flow .slider input');
-           s.dispatchEvent(new Event('input'));
-           return fairing.views.get('q5-flow').live.on;
+           const {live} = fairing.views.get('q5-flow');
+           live.button.click();
+           return live.on;
          })()",
     )?;
-    ensure!(live == false, "the live result stays over the slider's");
+    ensure!(live == false, "the button does not put the live result away");
     Ok(())
 }

@@ -94,7 +94,7 @@ fn ratio(found: &Found) -> f64 {
 fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Picture> {
     let mut plot = Plot {
         x: Axis::linear("share of the cases in %"),
-        y: Axis::log("E_a over the best published"),
+        y: Axis::log("normal error over the best published"),
         legend: Legend::Lines,
         ..Plot::default()
     };
@@ -111,7 +111,7 @@ fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Pictu
     plotted(
         &figure,
         "ratios",
-        "Below the dashed line the automatic denoiser is better than the best published method, whose parameters were tuned with the truth; above it, worse. E_a of the automatic denoiser over that of the other on each case of the benchmark, in ascending order.",
+        "Below the dashed line the automatic denoiser is better than the best published method, whose parameters were tuned with the truth; above it, worse. The normal error of the automatic denoiser over that of the other on each case of the benchmark, in ascending order.",
         "Three rising lines, one for each set of families, that cross the dashed line of equal errors.",
     )
 }
@@ -119,7 +119,7 @@ fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Pictu
 fn families_table() -> Table {
     Table::new(
         "families",
-        "The families of the benchmark: E_a of the automatic denoiser over that of the best published method, its parameters tuned with the truth on that very case; the median and the worst case.",
+        "The families of the benchmark: the normal error of the automatic denoiser over that of the best published method, its parameters tuned with the truth on that very case; the median and the worst case.",
         &[
             ("set", Unit::Label),
             ("kind", Unit::Label),
@@ -128,7 +128,7 @@ fn families_table() -> Table {
             ("median", Unit::One),
             ("worst", Unit::One),
             ("worst case", Unit::Label),
-            ("E_a", Unit::Degrees),
+            ("normal error", Unit::Degrees),
             ("best published", Unit::Degrees),
         ],
     )
@@ -251,7 +251,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     .draw(
         &format!("worst-{set}"),
         &format!(
-            "Of the last two pictures the left one is worse: here the automatic denoiser loses most against the best published method, whose parameters were tuned with the truth. The worst case of the {set} set, “{name}”: the truth, the noisy mesh and both results, flat shaded, with E_a."
+            "Of the last two pictures the left one is worse: here the automatic denoiser loses most against the best published method, whose parameters were tuned with the truth. The worst case of the {set} set, “{name}”: the truth, the noisy mesh and both results, flat shaded, with their normal errors."
         ),
         "Four pictures of one mesh: without noise, noisy, and denoised by two methods.",
     )?;
@@ -326,7 +326,7 @@ impl Standing {
     fn text(&self) -> String {
         let Self { median, worst, above, harmed, .. } = self;
         format!(
-            "E_a is in the median {median:.2} times that of the best published method tuned with the truth, at worst {} times, and above {BAR} times on {above}; the result is farther from the truth than the noisy mesh, in normals or in positions, on {harmed}",
+            "the normal error is in the median {median:.2} times that of the best published method tuned with the truth, at worst {} times, and above {BAR} times on {above}; the result is farther from the truth than the noisy mesh, in normals or in positions, on {harmed}",
             brief(*worst),
         )
     }

@@ -30,8 +30,8 @@ pub(super) struct Model {
 }
 
 /// Distances between surfaces are measured at no more than about so many vertices of each, every
-/// mth: a root mean square over n independent values is known to 1/√(2n), here 1.6 %, and
-/// comparisons over λ use the same vertices.
+/// mth: the mean of n independent distances is known to about 1/√n, here 2 %, and comparisons over
+/// λ use the same vertices.
 pub(super) const SAMPLES: usize = 2000;
 
 /// Every mth vertex, from as many as there are to half of [`SAMPLES`] at least.
@@ -40,10 +40,9 @@ fn sampled(mesh: &TriMesh) -> Vec<[f64; 3]> {
     mesh.positions().iter().copied().step_by(step).collect()
 }
 
-/// The root mean square distance of points from a surface.
-fn rms_distance(points: &[[f64; 3]], surface: &SurfaceTree) -> f64 {
-    let squares: f64 = surface.distances(points).iter().map(|d| d * d).sum();
-    (squares / points.len() as f64).sqrt()
+/// The mean distance of points from a surface.
+fn mean_distance(points: &[[f64; 3]], surface: &SurfaceTree) -> f64 {
+    surface.distances(points).iter().sum::<f64>() / points.len() as f64
 }
 
 impl Model {
@@ -112,19 +111,20 @@ impl Model {
             (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt() / self.h())
         };
         let growth = mesh.diagonal() / self.noisy.diagonal();
-        // A mesh that has collapsed to a point has no normals but those of rounding, and one
-        // without creases no recall.
+        // A mesh that has collapsed to a point has no normals but those of rounding, and where the
+        // truth has no creases none can be kept.
         let is_shape = growth > POINT;
-        let forward = rms_distance(&sampled(mesh), &self.surface) / self.h();
-        let backward = rms_distance(&sampled(&self.truth), &SurfaceTree::new(mesh)?) / self.h();
-        let recall = feature_edges(mesh, &self.truth, FEATURE)?.recall();
+        let forward = mean_distance(&sampled(mesh), &self.surface) / self.h();
+        let backward = mean_distance(&sampled(&self.truth), &SurfaceTree::new(mesh)?) / self.h();
+        let features = feature_edges(mesh, &self.truth, FEATURE)?;
+        let creases = [features.f_score(), features.precision(), features.recall()];
         Ok(Measures {
             normal: normal_error(mesh, &self.truth).ok().filter(|_| is_shape).map(|e| e.mean),
             vertex: forward,
-            surface: libm::hypot(forward, backward) / 2f64.sqrt(),
+            surface: (forward + backward) / 2.0,
             volume: change.volume.map(|v| 100.0 * v),
             area: change.area.map(|a| 100.0 * a),
-            recall: recall.filter(|_| is_shape),
+            creases: creases.map(|share| share.filter(|_| is_shape && features.expected > 0)),
             rms: moved.rms / self.h(),
             largest: moved.max / self.h(),
             inside: part(false),
@@ -139,17 +139,17 @@ impl Model {
 pub(super) struct Measures {
     /// Mean angle between normals of faces and of the truth, in degrees.
     pub(super) normal: Option<f64>,
-    /// Root mean square distance of the vertices from the surface of the truth, in h.
+    /// Mean distance of the vertices from the surface of the truth, in h.
     pub(super) vertex: f64,
-    /// Root mean square distance between the surfaces both ways, from the vertices of each to the
-    /// other, in h: a mesh that has shrunk inside the truth leaves vertices of the truth far away.
+    /// Mean distance between the surfaces both ways, from the vertices of each to the other, in h: a
+    /// mesh that has shrunk inside the truth leaves vertices of the truth far away.
     pub(super) surface: f64,
     /// Change of volume relative to the truth in percent; `None` if open.
     pub(super) volume: Option<f64>,
     /// Change of area relative to the truth in percent.
     pub(super) area: Option<f64>,
-    /// The fraction of the features of the truth that are found; `None` if it has none.
-    pub(super) recall: Option<f64>,
+    /// F-score, precision and recall of the creases; `None` if the truth has none.
+    pub(super) creases: [Option<f64>; 3],
     /// Root mean square displacement from the input, in h.
     pub(super) rms: f64,
     /// Largest displacement from the input, in h.
@@ -162,14 +162,19 @@ pub(super) struct Measures {
     pub(super) growth: f64,
 }
 
+/// The column of the F-score of the creases.
+pub(super) const CREASES: &str = "creases, F-score";
+
 /// The columns that [`Measures::cells`] fills.
-pub(super) const COLUMNS: [(&str, Unit); 11] = [
+pub(super) const COLUMNS: [(&str, Unit); 13] = [
     ("normal error", Unit::Degrees),
     ("vertex error", Unit::EdgeLengths),
     ("surface error", Unit::EdgeLengths),
     ("volume", Unit::Percent),
     ("area", Unit::Percent),
-    ("feature recall", Unit::One),
+    (CREASES, Unit::One),
+    ("crease precision", Unit::One),
+    ("crease recall", Unit::One),
     ("displacement", Unit::EdgeLengths),
     ("largest displacement", Unit::EdgeLengths),
     ("displacement inside", Unit::EdgeLengths),
@@ -178,14 +183,17 @@ pub(super) const COLUMNS: [(&str, Unit); 11] = [
 ];
 
 impl Measures {
-    pub(super) fn cells(&self) -> [Cell; 11] {
+    pub(super) fn cells(&self) -> [Cell; 13] {
+        let [f_score, precision, recall] = self.creases;
         [
             self.normal.into(),
             self.vertex.into(),
             self.surface.into(),
             self.volume.into(),
             self.area.into(),
-            self.recall.into(),
+            f_score.into(),
+            precision.into(),
+            recall.into(),
             self.rms.into(),
             self.largest.into(),
             self.inside.into(),
@@ -261,7 +269,7 @@ mod tests {
         let cube = shapes::icosphere(1);
         let model = Model::new("ball", cube.clone(), cube.clone()).unwrap();
         let m = model.measure(&scaled(&cube, 1e-12)).unwrap();
-        assert_eq!((m.normal, m.recall), (None, None));
+        assert_eq!((m.normal, m.creases), (None, [None; 3]));
         assert!(model.measure(&scaled(&cube, 1e-3)).unwrap().normal.is_some());
     }
 }

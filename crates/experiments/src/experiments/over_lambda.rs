@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{COLUMNS, Measures, Model, POINT, SAMPLES, slug};
+use super::models::{COLUMNS, CREASES, Measures, Model, POINT, SAMPLES, slug};
 use super::statistics::least;
 use crate::experiment::Context;
 use crate::inputs::Input;
@@ -21,14 +21,15 @@ use crate::view::{Panel, Slider, View};
 const VIEWED_STEPS: [usize; 1] = [10];
 
 /// The columns of a sweep over λ.
-pub(super) const SWEPT: [(&str, Unit); 7] = [
+pub(super) const SWEPT: [(&str, Unit); 8] = [
     ("mesh", Unit::Label),
     ("lambda", Unit::One),
     ("normal error", Unit::Degrees),
     ("vertex error", Unit::EdgeLengths),
     ("surface error", Unit::EdgeLengths),
-    ("feature recall", Unit::One),
+    (CREASES, Unit::One),
     ("volume", Unit::Percent),
+    ("area", Unit::Percent),
 ];
 
 /// A flow over many λ: a row of [`SWEPT`] for each of them, on each model with a truth of its own.
@@ -42,19 +43,81 @@ pub(super) fn sweep(
         let measure = |&lambda: &f64| model.measure(&run(model, lambda)?.mesh);
         let measured: Vec<Measures> = lambdas.par_iter().map(measure).collect::<Result<_>>()?;
         for (lambda, m) in lambdas.iter().zip(measured) {
-            table
-                .push(row![model.name, *lambda, m.normal, m.vertex, m.surface, m.recall, m.volume]);
+            table.push(row![
+                model.name,
+                *lambda,
+                m.normal,
+                m.vertex,
+                m.surface,
+                m.creases[0],
+                m.volume,
+                m.area,
+            ]);
         }
     }
     Ok(())
 }
 
-/// The λ of a sweep with the least error in this column.
-pub(super) fn best_lambda(sweep: &Table, mesh: &str, column: &str) -> Result<f64> {
-    let rows = sweep.only(&[("mesh", mesh.into())])?;
-    let pairs: Vec<(f64, f64)> =
-        rows.column(column)?.into_iter().zip(rows.column("lambda")?).collect();
-    Ok(least(&pairs).context("an empty sweep")?.1)
+/// The λ of a sweep with the least error of a kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Best {
+    pub(super) lambda: f64,
+    pub(super) error: f64,
+    /// True at the largest λ at which there is an error: a longer step might do better.
+    pub(super) is_last: bool,
+}
+
+impl Best {
+    /// The least error in this column. Meshes that are points have no normals and are passed over.
+    pub(super) fn of(sweep: &Table, mesh: &str, column: &str) -> Result<Self> {
+        let rows = sweep.only(&[("mesh", mesh.into())])?;
+        let errors = rows.index(column)?;
+        let lambdas = rows.column("lambda")?;
+        let cells = rows.rows.iter().map(|row| row[errors].number());
+        let pairs: Vec<(f64, f64)> =
+            cells.zip(lambdas).filter_map(|(error, lambda)| Some((error?, lambda))).collect();
+        let (error, lambda) = least(&pairs).context("an empty sweep")?;
+        Ok(Self { lambda, error, is_last: pairs.last().is_some_and(|last| last.1 == lambda) })
+    }
+}
+
+/// The best λ of both meshes by both errors: the surface error is the criterion, since normals do
+/// not see a mesh shrink.
+pub(super) struct Favourites {
+    /// On the patch and on the machine part, by the surface error.
+    pub(super) surface: [Best; 2],
+    /// The same by the normal error.
+    pub(super) normals: [Best; 2],
+}
+
+/// The meshes of the sweeps.
+pub(super) const SWEPT_MESHES: [&str; 2] = ["patch", "machine part"];
+
+impl Favourites {
+    pub(super) fn of(sweep: &Table) -> Result<Self> {
+        let both = |column: &str| -> Result<[Best; 2]> {
+            let [patch, part] = SWEPT_MESHES.map(|mesh| Best::of(sweep, mesh, column));
+            Ok([patch?, part?])
+        };
+        Ok(Self { surface: both("surface error")?, normals: both("normal error")? })
+    }
+
+    /// Both in a sentence, each with its error.
+    pub(super) fn words(&self, iterations: usize) -> String {
+        let [a, b] = self.surface;
+        let [c, d] = self.normals;
+        format!(
+            "After {iterations} steps the surface error is least at λ = {} on the patch ({} h) and {} on the machine part ({} h), the normal error at {} ({}°) and {} ({}°).",
+            brief(a.lambda),
+            brief(a.error),
+            brief(b.lambda),
+            brief(b.error),
+            brief(c.lambda),
+            brief(c.error),
+            brief(d.lambda),
+            brief(d.error),
+        )
+    }
 }
 
 /// The meshes of both questions.
@@ -71,10 +134,27 @@ pub(super) fn parameters(lambdas: &[f64], iterations: usize) -> Vec<(&'static st
     ]
 }
 
+/// Effect visible in the plots of both questions, from the best λ by both errors.
+pub(super) fn seen_in_plot(best: &Favourites) -> String {
+    let [patch, part] = best.normals;
+    let apart = |normals: Best, surface: Best| normals.lambda > surface.lambda;
+    let first = match apart(patch, best.surface[0]) && apart(part, best.surface[1]) {
+        true => "Normals want longer steps than positions on both meshes",
+        false => "The best λ differs between normals and positions",
+    };
+    let end = match patch.is_last {
+        true => {
+            "; those of the patch improve up to the last step, because they do not see it shrink"
+        }
+        false => "",
+    };
+    format!("{first}{end}.")
+}
+
 /// Errors over λ, by normals and by the distance of the surfaces.
 pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (column, unit) in [("normal error", "degrees"), ("surface error", "mean edge lengths")] {
+    for (column, unit) in [("normal error", "degrees"), ("surface error", "h")] {
         let mut plot = Plot {
             title: column.into(),
             x: Axis::log("λ"),
@@ -82,16 +162,19 @@ pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
             legend: Legend::Lines,
             ..Plot::default()
         };
-        for mesh in ["patch", "machine part"] {
+        for mesh in SWEPT_MESHES {
             let rows = sweep.only(&[("mesh", mesh.into())])?;
-            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
-            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
+            let errors = rows.index(column)?;
+            let errors = rows.rows.iter().map(|row| row[errors].number());
+            let points = rows.column("lambda")?.into_iter().zip(errors);
+            let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
+            plot.series.push(Series::marked(mesh, points));
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 230.0)?));
     }
     let picture =
         plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")?;
-    Ok(["patch", "machine part"].iter().fold(picture, |picture, mesh| {
+    Ok(SWEPT_MESHES.iter().fold(picture, |picture, mesh| {
         picture.linked("", mesh, &format!("{}-view", slug(mesh)), "λ")
     }))
 }
@@ -121,10 +204,11 @@ impl OverLambda<'_> {
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
         let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input, and volume and area are compared with the truth. The surface error is the root mean square of the distances from the vertices to the true surface and back, at up to {SAMPLES} vertices: the way back shows that a patch has shrunk. The CSV has the vertex error too, one way only, and the growth of the diagonal."
+            "After {iterations} {kind} steps; λ = 0 is the input, and volume and area are compared with the truth. The vertex error is the mean distance of the vertices from the true surface, the surface error the mean of that and of the distance back, each at up to {SAMPLES} vertices: the way back shows that a patch has shrunk. The CSV has the vertex error, precision and recall of the creases, displacements, and the growth of the diagonal, too."
         );
         let mut table = Table::new("flows", &caption, &columns)
-            .aside(&["vertex error", "displacement", "largest displacement", "growth"])
+            .aside(&["vertex error", "crease precision", "crease recall"])
+            .aside(&["displacement", "largest displacement", "growth"])
             // What has diverged is mostly its roughest mode, what has collapsed is a point:
             // rounding has its say.
             .tolerance("normal error", Some(Tolerance::LOOSE));
@@ -140,7 +224,7 @@ impl OverLambda<'_> {
                 let leading = row![model.name, lambda];
                 table.push(leading.into_iter().chain(measures.cells()));
             }
-            outcome.figures.push(self.picture(model, &smoothed)?);
+            outcome.figures.push(self.picture(model, &smoothed, &measured)?);
             outcome.views.push(self.view(model, &smoothed, &measured)?);
             for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
                 outcome.meshes.push(MeshOutput {
@@ -157,14 +241,6 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
-    /// The effect visible in the picture.
-    fn to_see(&self) -> &'static str {
-        match self.kind {
-            "explicit" => "Noise goes first, then the creases; the longest steps make it explode.",
-            _ => "No step explodes, but long ones shrink the whole shape, not its edges alone.",
-        }
-    }
-
     /// The figures of the original report that show the same.
     fn counterpart(&self, mesh: &str) -> &'static str {
         match (self.kind, mesh) {
@@ -176,26 +252,37 @@ impl OverLambda<'_> {
     }
 
     /// The input and the results from two viewpoints; what has diverged or shrunk is scaled to fit.
-    fn picture(&self, model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
+    fn picture(
+        &self,
+        model: &Model,
+        smoothed: &[TriMesh],
+        measured: &[Measures],
+    ) -> Result<Picture> {
         let Self { kind, lambdas, iterations, .. } = *self;
         let titles =
             ["input".to_string()].into_iter().chain(lambdas.iter().map(|l| format!("λ = {l}")));
         let mut shown = vec![];
         for (title, mesh) in titles.zip(smoothed) {
-            let (mesh, scale) = drawn(mesh, &model.noisy)?;
-            shown.push((title + &scale, mesh));
+            if let Some((mesh, scale)) = drawn(mesh, &model.noisy)? {
+                shown.push((title + &scale, mesh));
+            }
         }
+        let scaled = shown.iter().any(|(title, _)| title.contains('('));
         let caption = format!(
-            "{} The {} before and after {iterations} {kind} steps{}, from two viewpoints; what has diverged or shrunk is drawn at the size of the input, as its title says.",
-            self.to_see(),
+            "{} The {} before and after {iterations} {kind} steps{}, from two viewpoints{}.",
+            seen(model.name, lambdas, measured),
             model.name,
-            self.counterpart(model.name)
+            self.counterpart(model.name),
+            match scaled {
+                true => "; a title in brackets gives the scale of its picture",
+                false => "",
+            }
         );
         let alt = format!(
             "{} pictures of the {}: the input and {} steps, from two sides.",
             VIEWPOINTS.len() * shown.len(),
             model.name,
-            lambdas.len()
+            shown.len() - 1
         );
         side_by_side(model, &model.slug(), &shown, &caption, &alt)
     }
@@ -237,7 +324,7 @@ impl OverLambda<'_> {
             mesh: model.name.into(),
             caption: format!(
                 "{} The {} before and after {kind} steps{}, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
-                self.to_see(),
+                seen(model.name, &lambdas[..viewed], &measured[..=viewed]),
                 model.name,
                 self.counterpart(model.name)
             ),
@@ -260,11 +347,11 @@ impl OverLambda<'_> {
 /// A panel with what was measured at each of its stops.
 fn with_facts(panel: Panel, measures: &[Measures]) -> Panel {
     let of = |f: fn(&Measures) -> Option<f64>| measures.iter().map(f).collect();
-    let percent = |m: &Measures| m.recall.map(|r| 100.0 * r);
+    let percent = |m: &Measures| m.creases[0].map(|score| 100.0 * score);
     panel
         .with_fact("normal error", "°", of(|m| m.normal))
         .with_fact("volume", "%", of(|m| m.volume))
-        .with_fact("creases kept", "%", of(percent))
+        .with_fact(CREASES, "%", of(percent))
 }
 
 /// Meshes in columns, from the two viewpoints in rows.
@@ -293,24 +380,79 @@ const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
 const LINE: f64 = 1e-3;
 
-/// A smoothed mesh as drawn beside its input, and a remark for its title: meshes that have diverged
-/// or shrunk are drawn at the size of the input.
-fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
+/// A smoothed mesh as drawn beside its input, and the scale for its title: meshes that have diverged
+/// or shrunk are drawn at the size of the input. `None` where there is no surface left to draw.
+fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<Option<(TriMesh, String)>> {
     let growth = mesh.diagonal() / input.diagonal();
-    if growth < POINT {
-        return Ok((mesh.clone(), " (a point)".into()));
-    }
     let area: f64 = (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)).length()).sum();
-    let is_line = area < LINE * mesh.diagonal().powi(2);
+    if growth < POINT || area < LINE * mesh.diagonal().powi(2) {
+        return Ok(None);
+    }
     if (SMALL..=DIVERGED).contains(&growth) {
-        return Ok((mesh.clone(), String::new()));
+        return Ok(Some((mesh.clone(), String::new())));
     }
     let title = match growth > 1.0 {
-        _ if is_line => " (a line)".into(),
         true => format!(" (1 : {})", brief(growth)),
         false => format!(" (×{})", brief((1.0 / growth).round())),
     };
-    Ok((fitted(mesh, input)?, title))
+    Ok(Some((fitted(mesh, input)?, title)))
+}
+
+/// A normal error above this is visible noise, in degrees.
+const NOISY: f64 = 1.0;
+
+/// Creases whose F-score is below this are lost.
+const LOST: f64 = 0.5;
+
+/// A loss of area above this is visible, in percent.
+const SHRUNK: f64 = 20.0;
+
+/// The effect visible in pictures of a mesh after steps of these λ, from what was measured on the
+/// input and after each of them.
+fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
+    let Some((input, after)) = measured.split_first() else { return String::new() };
+    let runs = || lambdas.iter().copied().zip(after);
+    let exploded: Vec<f64> = runs().filter(|r| r.1.growth > DIVERGED).map(|r| r.0).collect();
+    let points: Vec<f64> = runs().filter(|r| r.1.growth < POINT).map(|r| r.0).collect();
+    let shapes: Vec<(f64, &Measures)> =
+        runs().filter(|r| (POINT..=DIVERGED).contains(&r.1.growth)).collect();
+    let mut sentences = vec![];
+    let normal = |m: &Measures| m.normal.unwrap_or(f64::INFINITY);
+    let noise = normal(input);
+    let smoothest = shapes.iter().min_by(|a, b| normal(a.1).total_cmp(&normal(b.1)));
+    match smoothest {
+        Some((lambda, m)) if (NOISY..f64::INFINITY).contains(&noise) && normal(m) < noise => {
+            sentences.push(format!(
+                "Of these steps λ = {} leaves the least normal error, {}° of {}°.",
+                brief(*lambda),
+                brief(normal(m)),
+                brief(noise)
+            ));
+        }
+        _ => sentences.push(format!("The {name} has no noise to lose.")),
+    }
+    let has_creases = |m: &Measures| m.creases[0].is_none_or(|score| score >= LOST);
+    let kept = shapes.iter().rposition(|(_, m)| has_creases(m)).map_or(0, |last| last + 1);
+    if let Some((lambda, _)) = shapes.get(kept).filter(|_| kept > 0) {
+        sentences.push(format!("From λ = {} on its creases are lost.", brief(*lambda)));
+    }
+    let area = |m: &Measures| m.area.unwrap_or(0.0);
+    if let Some((lambda, m)) = shapes.last().filter(|(_, m)| area(m) < -SHRUNK) {
+        sentences.push(format!(
+            "Long steps shrink it: at λ = {} its area has changed by {} %.",
+            brief(*lambda),
+            brief(area(m))
+        ));
+    }
+    if let [first, others @ ..] = &points[..] {
+        let more = if others.is_empty() { "" } else { " and more" };
+        sentences
+            .push(format!("At λ = {}{more} it is a point, with nothing to draw.", brief(*first)));
+    }
+    if let Some(lambda) = exploded.first() {
+        sentences.push(format!("At λ = {} it explodes.", brief(*lambda)));
+    }
+    sentences.join(" ")
 }
 
 /// The mesh scaled about its mean to the size of another, so that both fit in one picture.
@@ -335,8 +477,61 @@ mod tests {
     fn the_best_lambda_is_the_first_of_equal_ones() {
         let mut sweep = Table::new("s", "S.", &SWEPT);
         for (lambda, error) in [(0.1, 2.0), (1.0, 1.0), (10.0, 1.0 - f64::EPSILON)] {
-            sweep.push(row!["patch", lambda, 0.0, 0.0, error, 0.0, 0.0]);
+            sweep.push(row!["patch", lambda, 0.0, 0.0, error, 0.0, 0.0, 0.0]);
         }
-        assert_eq!(best_lambda(&sweep, "patch", "surface error").unwrap(), 1.0);
+        let best = Best::of(&sweep, "patch", "surface error").unwrap();
+        assert_eq!((best.lambda, best.is_last), (1.0, false));
+    }
+
+    /// A mesh that has become a point has no normals; the longest step before it is the last.
+    #[test]
+    fn the_end_of_a_sweep_is_noticed() {
+        let mut sweep = Table::new("s", "S.", &SWEPT);
+        for (lambda, error) in [(0.1, Some(2.0)), (1.0, Some(1.0)), (10.0, None)] {
+            sweep.push(row!["patch", lambda, error, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        }
+        let best = Best::of(&sweep, "patch", "normal error").unwrap();
+        assert_eq!(best, Best { lambda: 1.0, error: 1.0, is_last: true });
+    }
+
+    const SHAPE: Measures = Measures {
+        normal: Some(20.0),
+        vertex: 0.1,
+        surface: 0.1,
+        volume: Some(0.0),
+        area: Some(0.0),
+        creases: [Some(0.9); 3],
+        rms: 0.0,
+        largest: 0.0,
+        inside: None,
+        border: None,
+        growth: 1.0,
+    };
+
+    /// A caption says only what was measured on its mesh: no noise on a cube without any, no
+    /// explosion where none is shown, no loss of creases that are kept.
+    #[test]
+    fn captions_say_what_was_measured() {
+        let smooth = Measures { normal: Some(5.0), ..SHAPE };
+        let round = Measures { normal: Some(9.0), creases: [Some(0.1); 3], ..SHAPE };
+        let exploded = Measures { growth: 1e12, ..SHAPE };
+        let point = Measures { normal: None, creases: [None; 3], growth: 1e-12, ..SHAPE };
+        let text = seen("part", &[0.1, 1.0, 2.0], &[SHAPE, smooth, round, exploded]);
+        let expected = [
+            "Of these steps λ = 0.1 leaves the least normal error, 5° of 20°.",
+            "From λ = 1 on its creases are lost.",
+            "At λ = 2 it explodes.",
+        ];
+        assert_eq!(text, expected.join(" "));
+        assert!(!seen("part", &[0.1, 1.0], &[SHAPE, smooth, round]).contains("explodes"));
+        let clean = Measures { normal: Some(0.0), ..SHAPE };
+        let shrunk = Measures { area: Some(-60.0), growth: 0.5, ..SHAPE };
+        let text = seen("cube", &[0.1, 1.0, 2.0], &[clean, shrunk, point, point]);
+        let expected = [
+            "The cube has no noise to lose.",
+            "Long steps shrink it: at λ = 0.1 its area has changed by −60 %.",
+            "At λ = 1 and more it is a point, with nothing to draw.",
+        ];
+        assert_eq!(text, expected.join(" "));
     }
 }

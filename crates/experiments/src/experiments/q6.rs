@@ -10,7 +10,7 @@ use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 use glam::DVec3;
 
 use super::models::Model;
-use super::over_lambda::{self, OverLambda, SWEPT};
+use super::over_lambda::{self, Favourites, OverLambda, SWEPT, SWEPT_MESHES};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
@@ -41,9 +41,6 @@ const EXPLICIT: f64 = 0.5;
 /// The λ at which displacements are examined.
 const MOVED: f64 = LAMBDAS[4];
 
-/// The largest λ.
-const LARGEST: f64 = LAMBDAS[5];
-
 /// The number of explicit steps that take as long as the smaller of the two numbers of implicit
 /// steps compared.
 const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
@@ -65,7 +62,7 @@ fn section() -> Section {
     .edge_lengths_of("the mesh without noise, the truth")
     .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
     .shows(&["machine-part-view", "sweep"], &[])
-    .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("patch-iterations", "the patch at equal diffusion time"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
+    .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
 }
 
 impl Experiment for ImplicitFlow {
@@ -99,20 +96,20 @@ impl Experiment for ImplicitFlow {
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        let mut best = vec![];
-        for mesh in ["patch", "machine part"] {
-            best.push(over_lambda::best_lambda(&sweep, mesh, "surface error")?);
-        }
-        let to_see = match best.iter().all(|lambda| *lambda < CLAIMED) {
-            true => {
-                "The best steps are small: the distance of the surfaces rises again before the λ that the original report recommends. "
-            }
-            false => "",
+        let best = Favourites::of(&sweep)?;
+        let to_see = match best.surface.iter().all(|best| best.lambda < CLAIMED) {
+            true => format!(
+                " The surface error rises again long before λ = {CLAIMED}, which the original report recommends."
+            ),
+            false => String::new(),
         };
-        let caption = format!("{to_see}Errors after {ITERATIONS} implicit steps over λ.");
+        let caption = format!(
+            "{}{to_see} Errors after {ITERATIONS} implicit steps over λ, as long as there is a shape left.",
+            over_lambda::seen_in_plot(&best)
+        );
         outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
         context.progress(0.7, "iterations");
-        for model in models.iter().filter(|m| m.name != "cube") {
+        for model in models.iter().filter(|m| m.name == "machine part") {
             outcome.figures.push(over_iterations(model)?);
         }
         outcome.tables.extend([
@@ -147,12 +144,10 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     let volume = of("machine part", MOVED, "volume")?;
     let only_edges = inside < INVISIBLE && closed < INVISIBLE;
     let sweep = tables.get("sweep")?;
-    let mut best = vec![];
-    for mesh in ["patch", "machine part"] {
-        best.push(over_lambda::best_lambda(sweep, mesh, "surface error")?);
-    }
-    let by_normals = over_lambda::best_lambda(sweep, "patch", "normal error")?;
-    let area = of("patch", LARGEST, "area")?;
+    let swept = Favourites::of(sweep)?;
+    let best = swept.surface.map(|best| best.lambda);
+    let blind = swept.normals[0].lambda;
+    let area = sweep.value(&[("mesh", "patch".into()), ("lambda", blind.into())], "area")?;
     // Within a factor of two of the claim on both meshes.
     let about = best.iter().all(|l| (0.5..=2.0).contains(&(l / CLAIMED)));
     let verdict = match (stable, only_edges, about) {
@@ -161,7 +156,7 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Stable: {}, the diagonal is at most {} times as long after a run as before, over all λ above zero. Only the edges: {}. At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. With {ITERATIONS} iterations the λ that comes closest to the true surface is {} on the patch and {} on the machine part. By normals alone it would be {} on the patch, but at λ = {LARGEST} its area has changed by {} %, which normals do not see.",
+        "Stable: {}, the diagonal is at most {} times as long after a run as before, over all λ above zero. Only the edges: {}. At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
         if stable { "yes" } else { "no" },
         brief(growth),
         if only_edges { "yes" } else { "no" },
@@ -169,19 +164,19 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         brief(inside),
         brief(closed),
         brief(volume),
-        brief(best[0]),
-        brief(best[1]),
-        brief(by_normals),
+        swept.words(ITERATIONS),
+        brief(blind),
         brief(area),
     );
     let claim =
         "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
     let finding = format!(
-        "Implicit steps {}, but {}; {ITERATIONS} steps come closest to the true surface at λ = {} on the patch and {} on the machine part.",
+        "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}; the normals of the machine part at {}.",
         if stable { "are stable at every λ" } else { "are not always stable" },
         if only_edges { "only edges move" } else { "the whole shape shrinks, not the edges alone" },
         brief(best[0]),
         brief(best[1]),
+        brief(swept.normals[1].lambda),
     );
     let state = ViewState::at(&[4, 1]).field("displacement");
     let moved = Shown::view("q6", "machine-part-view", &state);
@@ -193,8 +188,9 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)
         .number(&format!("inside of the patch at λ = {MOVED}"), inside, Unit::EdgeLengths)
         .number(&format!("machine part at λ = {MOVED}"), closed, Unit::EdgeLengths)
-        .number("best λ on the patch", best[0], Unit::One)
-        .number("best λ on the machine part", best[1], Unit::One))
+        .number("best λ on the patch, surface error", best[0], Unit::One)
+        .number("on the machine part", best[1], Unit::One)
+        .number("on the machine part, normal error", swept.normals[1].lambda, Unit::One))
 }
 
 /// Claim 6b.
@@ -202,7 +198,7 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
     let table = tables.get("iterations")?;
     let [few, many] = COMPARED;
     let (mut least, mut apart, mut ratio) = (f64::INFINITY, 0.0f64, 0.0f64);
-    for mesh in ["patch", "machine part"] {
+    for mesh in SWEPT_MESHES {
         let of = |flow: &str, n: usize, lambda: f64, column: &str| {
             let row = [
                 ("mesh", Cell::from(mesh)),
@@ -255,8 +251,8 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
 fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let mut table =
         Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
-    let count = context.choose(37, 10);
-    let lambda = |i: usize| 1e-4 * libm::pow(1e6, i as f64 / (count - 1) as f64);
+    let count = context.choose(49, 13);
+    let lambda = |i: usize| 1e-4 * libm::pow(1e8, i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
     over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
     Ok(table)
@@ -440,13 +436,22 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         let title = format!("implicit {CLAIMED} × {n}");
         meshes.push((title, model.implicit(CLAIMED, n)?.mesh));
     }
-    for (lambda, n) in COMPARED.map(|n| (REPORT, n)).into_iter().chain(equal.map(|n| (EXPLICIT, n)))
+    for (lambda, n) in equal.map(|n| (EXPLICIT, n)).into_iter().chain(COMPARED.map(|n| (REPORT, n)))
     {
         let title = format!("explicit {lambda} × {n}");
         meshes.push((title, model.explicit(lambda, n)?.mesh));
     }
+    let mut apart = 0.0_f64;
+    for (implicit, explicit) in meshes.iter().take(2).zip(&meshes[2..]) {
+        apart = apart.max(vertex_displacement(&implicit.1, &explicit.1)?.rms / model.h());
+    }
+    let words = match apart < INVISIBLE {
+        true => "cannot be told apart",
+        false => "differ",
+    };
     let caption = format!(
-        "The last two pictures look like the first two: at equal diffusion time both flows agree. The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same time (Figure 11 of the original report).",
+        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but a hundredth of the diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number (Figure 11 of the original report).",
+        brief(apart),
         model.name
     );
     let alt = format!(

@@ -225,9 +225,9 @@ fn implicit_steps(mesh: &TriMesh, steps: Steps) -> Result<TriMesh> {
 /// Distances of a mesh from the truth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Score {
-    /// E_a: the mean angle between matching normals, in degrees.
+    /// The normal error: the mean angle between matching normals, in degrees.
     pub(super) angle: f64,
-    /// E_v: the mean distance of the vertices from the true surface, in h.
+    /// The vertex error: the mean distance of the vertices from the true surface, in h.
     pub(super) distance: f64,
     /// Faces that oppose the truth.
     pub(super) flipped: f64,
@@ -319,7 +319,7 @@ mod tests {
     }
 
     /// Scores stay with their methods, and doing nothing leaves the noise:
-    /// along three axes, so E_v is that of its component along the normal,
+    /// along three axes, so the vertex error is that of its component along the normal,
     /// √(2/π) σ, less a little where faces come closer than vertices.
     #[test]
     fn trials_keep_their_order() {

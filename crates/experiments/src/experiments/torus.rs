@@ -18,6 +18,8 @@ use fairing_shapes as shapes;
 use fairing_sparse::{EigenOptions, Mass, SparseMatrix, smallest_eigenpairs};
 use fairing_spectral::{SpectrumOptions, spectrum};
 
+use super::surfaces::{JITTER, Sampling};
+use crate::experiment::Context;
 use crate::row;
 use crate::table::{Table, Unit};
 
@@ -80,7 +82,7 @@ fn eigenvalues(major: f64, minor: f64, count: usize) -> Result<Vec<f64>> {
 }
 
 /// Eigenvalues of finer and finer meshes of a torus against the exact ones.
-pub(super) fn table(levels: u32) -> Result<Table> {
+pub(super) fn table(context: &Context<'_>, levels: u32) -> Result<Table> {
     let exact = eigenvalues(MAJOR, MINOR, COMPARED + 1)?;
     let mut table = Table::new(
         "torus",
@@ -88,6 +90,7 @@ pub(super) fn table(levels: u32) -> Result<Table> {
             "Eigenvalues of a torus of revolution with radii {MAJOR} and {MINOR} against those of its separated equation (solved to rounding): the first that is not zero, the largest relative error of the first twelve, and the observed order."
         ),
         &[
+            ("sampling", Unit::Label),
             ("h", Unit::Length),
             ("first", Unit::InverseArea),
             ("exact", Unit::InverseArea),
@@ -95,22 +98,31 @@ pub(super) fn table(levels: u32) -> Result<Table> {
             ("order", Unit::Order),
         ],
     );
-    let (mut h, mut error, mut first) = (vec![], vec![], vec![]);
-    for level in 0..levels {
-        let mesh = shapes::torus(MAJOR, MINOR, 30 << level, 16 << level);
-        let values =
-            spectrum(&Laplacian::cotangent(&mesh)?, COMPARED + 1, &SpectrumOptions::default())?
-                .values;
-        let errors = values.iter().zip(&exact).skip(1).map(|(a, b)| (a / b - 1.0).abs());
-        h.push(mesh.mean_edge_length());
-        error.push(errors.fold(0.0, f64::max));
-        first.push(values[1]);
-    }
-    let orders = observed_orders(&h, &error);
-    for i in 0..h.len() {
-        // The coarsest mesh has nothing to be compared with.
-        let order = (i > 0).then(|| orders[i - 1]);
-        table.push(row![h[i], first[i], exact[1], error[i], order]);
+    for sampling in Sampling::BOTH {
+        let (mut h, mut error, mut first) = (vec![], vec![], vec![]);
+        for level in 0..levels {
+            let regular = shapes::torus(MAJOR, MINOR, 30 << level, 16 << level);
+            let onto = shapes::onto_torus(MAJOR, MINOR);
+            let mesh = match sampling {
+                Sampling::Regular => regular,
+                Sampling::Jittered => {
+                    shapes::jittered(&regular, JITTER, context.seed("eigenvalues"), onto)
+                }
+            };
+            let values =
+                spectrum(&Laplacian::cotangent(&mesh)?, COMPARED + 1, &SpectrumOptions::default())?
+                    .values;
+            let errors = values.iter().zip(&exact).skip(1).map(|(a, b)| (a / b - 1.0).abs());
+            h.push(mesh.mean_edge_length());
+            error.push(errors.fold(0.0, f64::max));
+            first.push(values[1]);
+        }
+        let orders = observed_orders(&h, &error);
+        for i in 0..h.len() {
+            // The coarsest mesh has nothing to be compared with.
+            let order = (i > 0).then(|| orders[i - 1]);
+            table.push(row![sampling.name(), h[i], first[i], exact[1], error[i], order]);
+        }
     }
     Ok(table)
 }

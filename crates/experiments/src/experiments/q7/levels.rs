@@ -39,13 +39,14 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "resolution",
         &format!(
-            "One block with faces of several sizes under the same noise in model units: E_a of the noisy block and after each method, means over the seeds, the largest standard error of the means, and which flows of the report keep the shape (E_a below {KEPT}°, no more than {SHRUNK} % of the volume lost)."
+            "A generated machine part with faces of several sizes under the same noise in model units: the normal error of the noisy mesh and after each method, means over the seeds, the largest standard error of the means, and which flows of the report keep the shape (a normal error below {KEPT}°, no more than {SHRUNK} % of the volume lost)."
         ),
         &[
             ("vertices", Unit::Count),
             ("h", Unit::Length),
             ("σ", Unit::Length),
             ("σ/h", Unit::EdgeLengths),
+            ("diagonal", Unit::EdgeLengths),
             ("seeds", Unit::Count),
             ("noisy", Unit::Degrees),
             (COMPARED[0].name(), Unit::Degrees),
@@ -58,13 +59,13 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             ("kept by", Unit::Label),
         ],
     )
-    .aside(&["vertices", "seeds", "σ/h", "standard error", COMPARED[2].name(), COMPARED[3].name(), COMPARED[4].name()]);
+    .aside(&["vertices", "seeds", "diagonal", "standard error", COMPARED[2].name(), COMPARED[3].name(), COMPARED[4].name()]);
     for method in COMPARED {
         table = table.tolerance(method.name(), Some(Tolerance::LOOSE));
     }
     table = table.tolerance("standard error", Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
     for &spacing in context.choose(&SPACINGS[..], &QUICK) {
-        let body = Body::new("block", shapes::cad_block(spacing))?;
+        let body = Body::new("machine part", shapes::cad_block(spacing))?;
         let (n, h) = (body.truth.vertex_count(), body.truth.mean_edge_length());
         // The mean over a mesh of many faces varies little from seed to seed.
         let seeds = if n < 2000 { context.choose(5, 2) } else { 2 };
@@ -75,7 +76,8 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             let trials = body.trials(level, context.seed("resolution"), &methods)?;
             let error = |t: &Trials| t.angle.error(seeds).unwrap_or(0.0);
             let error = trials.iter().map(error).fold(0.0, f64::max);
-            let mut row = row![n, h, sigma, sigma / h, seeds].to_vec();
+            let size = body.truth.diagonal() / h;
+            let mut row = row![n, h, sigma, sigma / h, size, seeds].to_vec();
             row.extend(trials.iter().map(|t| Cell::from(t.angle.mean)));
             row.push(error.into());
             row.push(keepers(&trials).into());
@@ -102,11 +104,11 @@ fn keepers(trials: &[Trials]) -> String {
 struct Level {
     /// σ/h.
     share: f64,
-    /// E_a of each flow of the report.
+    /// Normal error of each flow of the report.
     flows: Vec<f64>,
     /// Number of them that keep the shape.
     kept: usize,
-    /// The smallest E_a of all other methods.
+    /// The smallest normal error of all other methods.
     others: f64,
 }
 
@@ -117,7 +119,7 @@ impl Level {
             |method: Method, column: &str| rows.value(&[("method", method.name().into())], column);
         let (mut flows, mut kept) = (vec![], 0);
         for method in Method::OF_THE_REPORT {
-            let angle = value(method, "E_a")?;
+            let angle = value(method, "normal error")?;
             kept += usize::from(is_kept(angle, value(method, "volume").ok()));
             flows.push(angle);
         }
@@ -126,7 +128,8 @@ impl Level {
             .map(|m| m.0)
             .filter(|m| *m != Method::Nothing && !Method::OF_THE_REPORT.contains(m));
         // Some are not run at high noise.
-        let others = others.filter_map(|m| value(m, "E_a").ok()).fold(f64::INFINITY, f64::min);
+        let others =
+            others.filter_map(|m| value(m, "normal error").ok()).fold(f64::INFINITY, f64::min);
         Ok(Self { share: rows.column("σ/h")?[0], flows, kept, others })
     }
 }
@@ -162,7 +165,36 @@ fn depending(resolution: &Table) -> Result<Vec<Dependence>> {
     Ok(found)
 }
 
-/// The same as a sentence.
+/// The explicit flow on the coarsest faces at the lowest level, and on those finer ones where it
+/// does best: σ/h, the diagonal over h, and the normal error of each.
+fn coarse_and_best(resolution: &Table) -> Result<[[f64; 3]; 2]> {
+    let rows = resolution.only(&[("σ", ASSIGNMENT[0].into())])?;
+    let (shares, sizes) = (rows.column("σ/h")?, rows.column("diagonal")?);
+    let errors = rows.column(Method::Explicit.name())?;
+    let all: Vec<[f64; 3]> =
+        shares.iter().zip(&sizes).zip(&errors).map(|((a, b), c)| [*a, *b, *c]).collect();
+    let coarse = all.iter().min_by(|a, b| a[0].total_cmp(&b[0])).context("no resolutions")?;
+    let best = all.iter().min_by(|a, b| a[2].total_cmp(&b[2])).context("no resolutions")?;
+    Ok([*coarse, *best])
+}
+
+/// A sentence on the size of features, if more noise for each edge leaves less error.
+fn features_count([coarse, best]: [[f64; 3]; 2]) -> Option<String> {
+    (best[0] > coarse[0]).then(|| {
+        format!(
+            "Noise over edge length does not decide alone: at the same σ = {} the explicit flow leaves {}° at {} h and {}° at {} h, since finer faces put more edges on each feature ({} and {} of them along the diagonal)",
+            ASSIGNMENT[0],
+            brief(coarse[2]),
+            brief(coarse[0]),
+            brief(best[2]),
+            brief(best[0]),
+            brief(coarse[1].round()),
+            brief(best[1].round())
+        )
+    })
+}
+
+/// Flows that depend on the size of the faces, as a sentence.
 fn resolved(depends: &[Dependence]) -> String {
     let Some(first) = depends.first() else {
         return "no level is kept at one size and lost at another".into();
@@ -175,7 +207,7 @@ fn resolved(depends: &[Dependence]) -> String {
         })
         .collect();
     format!(
-        "some of the flows keep the shape at one size and lose it at another: {}. The {} flow keeps σ = {} at {} h only. A level in model units says nothing without the size of the faces",
+        "some of the flows keep the shape at one size and lose it at another: {}. The {} flow keeps σ = {} at {} h only. A level in model units says nothing without the size of the faces and of the features",
         counts.join(", "),
         first.flow,
         brief(first.sigma),
@@ -218,9 +250,11 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         let most = l.flows.iter().copied().fold(0.0, f64::max);
         format!("{} to {}°", brief(least), brief(most))
     };
+    let counts = features_count(coarse_and_best(resolution)?);
+    let shares = list(&levels.iter().map(|l| l.share).collect::<Vec<_>>());
     let reason = format!(
-        "On the machine part the three levels are {} h. The flows of the original report ({}) leave normals off by {}. They keep the shape {} times out of {all}: below {KEPT}°, and no more than {SHRUNK} % of the volume lost. The best of all other methods leaves {}°. On a block with faces of {} sizes, h from {} down to {}, {}.",
-        list(&levels.iter().map(|l| l.share).collect::<Vec<_>>()),
+        "On the machine part the three levels are {} h. The flows of the original report ({}) leave normals off by {}. They keep the shape {} times out of {all}: below {KEPT}°, and no more than {SHRUNK} % of the volume lost. The best of all other methods leaves {}°. On a generated machine part with faces of {} sizes, h from {} down to {}, {}.{}",
+        shares,
         Method::OF_THE_REPORT.map(Method::name).join("; "),
         each(&spread),
         each(&|l| l.kept.to_string()),
@@ -229,13 +263,18 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         brief(coarse),
         brief(fine),
         resolved(&depends),
+        counts.as_ref().map(|words| format!(" {words}.")).unwrap_or_default(),
     );
     let mut judgement =
         Judgement::new("7a", "σ = 0.05 and 0.1 keep the shape, 0.5 destroys it", verdict, reason)
-            .finding(format!(
-                "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
-                list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
-            ))
+            .finding(match &counts {
+                Some(words) => format!(
+                    "It depends on the faces and the features: these levels are {shares} edge lengths of the machine part. {words}."
+                ),
+                None => format!(
+                    "What counts is the noise over the edge length: these levels are {shares} edge lengths of the machine part."
+                ),
+            })
             .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 3]).field("normal error")))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
@@ -244,7 +283,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         let most = level.flows.iter().copied().reduce(f64::max).context("no flows")?;
         judgement = judgement
             .number(
-                &format!("least E_a of the report's flows at σ = {sigma}"),
+                &format!("least normal error of the report's flows at σ = {sigma}"),
                 least,
                 Unit::Degrees,
             )
@@ -257,7 +296,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
 mod tests {
     use super::*;
 
-    /// Tables with these E_a of all flows of the report, and what keeps the block at two
+    /// Tables with these normal errors of all flows of the report, and what keeps the block at two
     /// resolutions.
     fn tables(angles: [[f64; 4]; 3], kept: [[&str; 2]; 3]) -> [Table; 2] {
         let mut model = Table::new(
@@ -267,7 +306,7 @@ mod tests {
                 ("σ", Unit::Length),
                 ("σ/h", Unit::EdgeLengths),
                 ("method", Unit::Label),
-                ("E_a", Unit::Degrees),
+                ("normal error", Unit::Degrees),
                 ("volume", Unit::Percent),
             ],
         );
@@ -278,6 +317,8 @@ mod tests {
                 ("h", Unit::Length),
                 ("σ", Unit::Length),
                 ("σ/h", Unit::EdgeLengths),
+                ("diagonal", Unit::EdgeLengths),
+                ("explicit", Unit::Degrees),
                 ("kept by", Unit::Label),
             ],
         );
@@ -293,7 +334,7 @@ mod tests {
                 0.0
             ]);
             for (h, kept) in [1.0, 0.1].into_iter().zip(kept[k]) {
-                resolution.push(row![h, sigma, sigma / h, kept]);
+                resolution.push(row![h, sigma, sigma / h, 10.0 / h, angles[k][0] * h, kept]);
             }
         }
         [model, resolution]
@@ -314,6 +355,14 @@ mod tests {
         assert_eq!(verdict([good, one, bad], same), Verdict::Qualified);
         assert_eq!(verdict([good, good, good], same), Verdict::Qualified);
         assert_eq!(verdict([bad, bad, good], same), Verdict::Refuted);
+    }
+
+    /// Finer faces have more noise for each edge and more edges for each feature.
+    #[test]
+    fn features_are_mentioned_where_they_count() {
+        let text = features_count([[0.2, 16.0, 22.0], [0.8, 80.0, 9.0]]).unwrap();
+        assert!(text.contains("22° at 0.2 h and 9° at 0.8 h"), "{text}");
+        assert!(features_count([[0.2, 16.0, 5.0], [0.2, 16.0, 5.0]]).is_none());
     }
 
     #[test]

@@ -22,20 +22,20 @@ pub(super) const ERRORS: f64 = 2.0;
 pub(super) fn table(sweep: &Results) -> Result<Results> {
     let mut table = Results::new(
         "limits",
-        "Where each method helps: the first level at which its mean error is below that of the noisy input, and the first one at which it no longer is; a dash means that it still helps at the last level. Then the level up to which the shape is kept, with the range that two standard errors of E_a leave; ∞ means to the end of the sweep. The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
+        "Where each method helps: the first level at which its mean error is below that of the noisy input, and the first one at which it no longer is; a dash means that it still helps at the last level. Then the level up to which the shape is kept, with the range that two standard errors of the normal error leave; ∞ means to the end of the sweep. The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
         &[
             ("mesh", Unit::Label),
             ("method", Unit::Label),
-            ("E_a helps from", Unit::EdgeLengths),
-            ("E_a stops at", Unit::EdgeLengths),
-            ("E_v helps from", Unit::EdgeLengths),
-            ("E_v stops at", Unit::EdgeLengths),
+            ("normals: helps from", Unit::EdgeLengths),
+            ("normals: stops at", Unit::EdgeLengths),
+            ("vertices: helps from", Unit::EdgeLengths),
+            ("vertices: stops at", Unit::EdgeLengths),
             ("kept up to", Unit::EdgeLengths),
             ("at least", Unit::EdgeLengths),
             ("at most", Unit::EdgeLengths),
         ],
     )
-    .aside(&["E_v helps from", "E_v stops at"]);
+    .aside(&["vertices: helps from", "vertices: stops at"]);
     // Interpolated between errors that may move by two percent.
     for column in ["kept up to", "at least", "at most"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
@@ -76,8 +76,8 @@ impl Errors {
             let c = rows.index(column)?;
             Ok(rows.rows.iter().map(|row| row[c].number()).collect())
         };
-        let (angles, volumes) = (rows.column("E_a")?, optional("volume")?);
-        let (spread, seeds) = (optional("± E_a")?, rows.column("seeds")?);
+        let (angles, volumes) = (rows.column("normal error")?, optional("volume")?);
+        let (spread, seeds) = (optional("± normal error")?, rows.column("seeds")?);
         let kept = |(angle, volume): (f64, Option<f64>)| match volume {
             Some(v) if v <= -SHRUNK => angle.max(90.0),
             _ => angle,
@@ -86,7 +86,7 @@ impl Errors {
             levels: rows.column("σ/h")?,
             angles: angles.into_iter().zip(volumes).map(kept).collect(),
             uncertain: spread.iter().zip(seeds).map(|(s, n)| s.unwrap_or(0.0) / n.sqrt()).collect(),
-            distances: rows.column("E_v")?,
+            distances: rows.column("vertex error")?,
         })
     }
 

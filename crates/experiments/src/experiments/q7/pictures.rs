@@ -15,7 +15,7 @@ use super::methods::{ASSIGNMENT, KEPT};
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
-use crate::experiments::models::FEATURE;
+use crate::experiments::models::{CREASES, FEATURE};
 use crate::experiments::restoring::{Body, Method};
 use crate::outcome::Picture;
 use crate::table::{Cell, Table};
@@ -45,7 +45,7 @@ const CURVES: [Method; 7] = [
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
-/// Name, in the plots, of the greatest E_a at which a shape is kept.
+/// Name, in the plots, of the greatest normal error at which a shape is kept.
 const KEPT_NAME: &str = "kept below";
 
 /// The levels of the scan's view, in h, and whether they are drawn too.
@@ -159,7 +159,7 @@ impl<'a> Restored<'a> {
             id: format!("{figure}-view"),
             mesh: name.into(),
             caption: format!(
-                "As σ grows, what a method gains in E_a it can lose in volume or creases: the numbers are under the panels. The {name} under {noise}, after each method, and without noise."
+                "As σ grows, what a method gains in normals it can lose in volume or creases: the numbers are under the panels. The {name} under {noise}, after each method, and without noise."
             ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
@@ -184,15 +184,15 @@ impl<'a> Restored<'a> {
     fn with_facts(&self, panel: Panel, meshes: &[&TriMesh]) -> Result<Panel> {
         let truth = &self.body.truth;
         let of = |mesh: &&TriMesh| -> Result<[Option<f64>; 3]> {
-            let recall = feature_edges(mesh, truth, FEATURE)?.recall();
+            let creases = feature_edges(mesh, truth, FEATURE)?.f_score();
             Ok([
                 Some(normal_error(mesh, truth)?.mean),
                 drift(mesh, truth).volume.map(|v| 100.0 * v),
-                recall.map(|r| 100.0 * r),
+                creases.map(|score| 100.0 * score),
             ])
         };
         let facts: Vec<_> = meshes.par_iter().map(of).collect::<Result<_>>()?;
-        let named = [("E_a", "°"), ("volume", "%"), ("creases kept", "%")];
+        let named = [("normal error", "°"), ("volume", "%"), (CREASES, "%")];
         Ok(named.into_iter().enumerate().fold(panel, |panel, (k, (name, unit))| {
             panel.with_fact(name, unit, facts.iter().map(|fact| fact[k]).collect())
         }))
@@ -205,15 +205,15 @@ pub(super) fn curves(sweep: &Table, model: &Table) -> Result<Vec<Picture>> {
     let errors = [
         (
             "normals",
-            "E_a",
-            "E_a in degrees",
-            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. E_a over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
+            "normal error",
+            "normal error in degrees",
+            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
         ),
         (
             "distances",
-            "E_v",
-            "E_v in h",
-            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. E_v over the noise; in colour what is best at some level, in grey what never is.",
+            "vertex error",
+            "vertex error in h",
+            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise; in colour what is best at some level, in grey what never is.",
         ),
     ];
     errors
@@ -267,7 +267,7 @@ fn curve(
         let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
         let points = points.map(|(x, y)| [x, y]).collect();
         plot.series.push(Series::reference(Method::Nothing.name(), points));
-        if column == "E_a" {
+        if column == "normal error" {
             plot.series.push(Series::new(KEPT_NAME, Shape::Level(KEPT)));
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
