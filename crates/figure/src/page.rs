@@ -40,13 +40,13 @@ pub struct Exhibit<'a> {
     pub fields: Vec<(String, Field<'a>)>,
 }
 
-/// An HTML page that shows meshes side by side, turned by one camera, with colours, a colour bar,
+/// An HTML page that shows meshes side by side under one camera, with colours, a colour bar,
 /// isolines, edges, and the values of a vertex that is clicked.
 ///
 /// The page is one file that requests nothing and needs WebGL 2. `shown` names the field that
 /// colours the meshes at first; `None` leaves them plain. Undefined values are grey. Positions are
 /// rounded to single precision relative to the centre of the first mesh; faces and fields are
-/// exact. A page has about 40 kB, 24 bytes a face of a closed mesh, and 11 bytes a value of a field.
+/// exact. A page has about 40 kB, 24 bytes a face of a closed mesh, and 11 bytes a value.
 ///
 /// # Errors
 ///
@@ -64,7 +64,8 @@ pub struct Exhibit<'a> {
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = TriMesh::new(corners, vec![[0, 1, 2]])?;
 /// let fields = vec![("height".into(), Field::new(&[0.0, 0.0, 1.0]))];
-/// let html = page(&[Exhibit { title: "face".into(), mesh: &mesh, fields }], Some("height"), Up::Y)?;
+/// let face = Exhibit { title: "face".into(), mesh: &mesh, fields };
+/// let html = page(&[face], Some("height"), Up::Y)?;
 /// assert!(html.starts_with("<!DOCTYPE html>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
