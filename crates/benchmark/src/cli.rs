@@ -107,8 +107,8 @@ pub(crate) struct Train {
 
 #[derive(Debug, Args)]
 pub(crate) struct Bench {
-    /// The task; `build` times builds from an empty target folder. Without a task, the tasks are
-    /// listed
+    /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md.
+    /// Without a task, the tasks are listed
     pub(crate) task: Option<String>,
     /// The mesh
     #[arg(long = "in", value_name = "FILE")]
@@ -116,6 +116,10 @@ pub(crate) struct Bench {
     /// Number of repetitions
     #[arg(long, default_value_t = 1)]
     pub(crate) repeat: usize,
+    /// Start a process for each repetition, and print the median of their times: the time of a
+    /// program that is called once
+    #[arg(long)]
+    pub(crate) once: bool,
     /// Number of threads; all by default
     #[arg(long)]
     pub(crate) threads: Option<usize>,
@@ -125,7 +129,7 @@ pub(crate) struct Bench {
     /// Curvature estimator of the task principal
     #[arg(long, default_value = "quadric")]
     pub(crate) estimator: String,
-    /// Number of eigenpairs
+    /// Number of eigenpairs, or the order of the task harmonic
     #[arg(long, default_value_t = 15)]
     pub(crate) k: usize,
     /// The step
@@ -143,4 +147,11 @@ pub(crate) struct Bench {
     /// The mesh without noise
     #[arg(long, value_name = "FILE")]
     pub(crate) reference: Option<PathBuf>,
+    /// For the page: results of a comparison with other libraries, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) comparison: Option<PathBuf>,
+    /// For the page: the finest sphere, as subdivisions of the icosahedron; 10 has ten million
+    /// vertices
+    #[arg(long, default_value_t = 10)]
+    pub(crate) finest: u32,
 }

@@ -1,8 +1,12 @@
-//! Times one task inside the process, for comparison with other libraries.
+//! Times of tasks: one inside the process, for comparison with other libraries, or all of a page.
 
+mod denoise;
 mod files;
+mod fresh;
+mod harmonic;
 mod metrics;
 mod operators;
+mod page;
 mod smoothing;
 mod spectra;
 mod stopwatch;
@@ -12,6 +16,7 @@ use anyhow::{Context as _, Result};
 use serde_json::{Value, json};
 
 use crate::cli::Bench;
+use fresh::{Fresh, Times, median};
 use stopwatch::Stopwatch;
 use task::{Job, Task};
 
@@ -58,17 +63,26 @@ const ALL: &[&dyn Task] = &[
     &metrics::Metrics,
     &spectra::Eigs,
     &spectra::Factor,
+    &harmonic::Harmonic,
+    &denoise::Denoise,
 ];
 
 /// Times the task, or lists the tasks, and prints the result.
 pub(crate) fn run(options: Bench) -> Result<()> {
-    let Some(task) = options.task else {
+    let Some(task) = options.task.clone() else {
         println!("{:<22} builds from an empty target folder", "build");
+        println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
         for task in ALL {
             println!("{:<22} {}", task.name(), task.about());
         }
         return Ok(());
     };
+    if task == "page" {
+        return page::write(options.comparison.as_deref(), options.finest);
+    }
+    if options.once {
+        return once(&task, &options);
+    }
     let job = Job {
         input: options.input.context("missing input mesh: --in FILE")?,
         out: options.out,
@@ -87,6 +101,30 @@ pub(crate) fn run(options: Bench) -> Result<()> {
     } else {
         println!("{}", serde_json::to_string_pretty(&result)?);
     }
+    Ok(())
+}
+
+/// Starts a process for each repetition, and prints the median of their times.
+fn once(task: &str, options: &Bench) -> Result<()> {
+    let input = options.input.as_deref().context("missing input mesh: --in FILE")?;
+    let mut more = vec![
+        format!("--estimator={}", options.estimator),
+        format!("--k={}", options.k),
+        format!("--lambda={}", options.lambda),
+        format!("--mu={}", options.mu),
+        format!("--iters={}", options.iters),
+    ];
+    more.extend(options.threads.map(|threads| format!("--threads={threads}")));
+    for (name, path) in [("--out", &options.out), ("--reference", &options.reference)] {
+        more.extend(path.as_ref().map(|path| format!("{name}={}", path.display())));
+    }
+    let more: Vec<&str> = more.iter().map(String::as_str).collect();
+    let process = Fresh::new(task, input, &more);
+    let times: Vec<Times> =
+        (0..options.repeat.max(1)).map(|_| process.run()).collect::<Result<_>>()?;
+    let seconds: Vec<f64> = times.iter().map(|t| t.first).collect();
+    let least = seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("{}", json!({ "first": median(seconds), "least": least, "processes": times.len() }));
     Ok(())
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Stopwatch {
 }
 
 /// Copying into a layout that the task asks for: timed, but not counted.
-const PREPARE: &str = "prepare";
+pub(super) const PREPARE: &str = "prepare";
 
 impl Stopwatch {
     /// Does the work and adds its time to the phase.
