@@ -14,6 +14,7 @@ mod figures;
 mod html;
 mod laboratory;
 mod section;
+mod style;
 mod tables;
 mod view;
 
@@ -30,6 +31,7 @@ use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
 pub use laboratory::laboratory;
+use style::STYLE;
 
 /// The scripts, in the order in which they use one another.
 const SCRIPTS: [&str; 22] = [
@@ -56,11 +58,6 @@ const SCRIPTS: [&str; 22] = [
     include_str!("../../assets/stack.js"),
     include_str!("../../assets/page.js"),
 ];
-
-const STYLE: &str = concat!(
-    include_str!("../../../figure/viewer/style.css"),
-    include_str!("../../assets/style.css")
-);
 
 /// A font for formulas: DejaVu Math TeX Gyre, cut down to ASCII, Greek, italics and operators. Its
 /// licence is that of `crates/figure/fonts`, and its extensions are in the public domain.
