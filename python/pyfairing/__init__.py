@@ -33,6 +33,7 @@ from ._geodesic import GeodesicSolver
 from ._heat import HeatSolver
 from ._mesh import Mesh, read, read_bytes
 from ._parts import Closest, Components
+from ._pictures import View
 from ._results import Curvature, Laplacian, NoiseLevel, Scores
 from ._spectrum import Spectrum
 
@@ -60,6 +61,7 @@ __all__ = [
     "OptionError",
     "Scores",
     "Spectrum",
+    "View",
     "__version__",
     "compare",
     "dataset",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._arrays import Bytes, Csr, Floats
+from ._arrays import Csr, Floats
 from ._calls import Progress, running, warn
 from ._docs import documented
 from ._heat import HeatSolver
@@ -19,7 +19,7 @@ from ._spectrum import Spectrum
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._names import ColorMap, Estimator, EstimatorParameters, Kind, MassKind
+    from ._names import Estimator, EstimatorParameters, Kind, MassKind
 
 
 class Computing(Base):
@@ -336,120 +336,6 @@ class Computing(Base):
         """
         with running(threads, None) as call:
             return self._core.diagnosis(call)
-
-    @documented
-    def render(
-        self,
-        field: npt.ArrayLike | str | None = None,
-        *,
-        defined: npt.ArrayLike | None = None,
-        map: ColorMap | None = None,
-        range: tuple[float, float] | None = None,
-        equalize: bool = False,
-        view: str | tuple[float, float] = "three-quarter",
-        up: Literal["y", "z"] = "y",
-        size: tuple[int, int] = (800, 600),
-        samples: int = 3,
-        wireframe: bool = False,
-        shading: Literal["creased", "smooth", "flat"] = "creased",
-        transparent: bool = False,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Bytes:
-        """Draws the mesh, coloured by a field.
-
-        Parameters
-        ----------
-        field : array_like, shape (n,) or (n, 3), or str, optional
-            Values, or the name of a field; vectors are shown by their length. By default the
-            colours of the mesh, if any.
-        defined : array_like of bool, shape (n,), optional
-            Vertices with a value; others are grey and do not affect the range. By default the
-            field `defined` of the mesh for fields by name, and the mask of masked arrays. A
-            curvature is 0 where it is undefined, so pass its `defined`.
-        map : str, optional
-            One of {maps}; `coolwarm` about zero for signed fields, else `viridis`.
-        range : (float, float), optional
-            The values at the two ends of the map; by default the 2nd and 98th percentile.
-        equalize : bool
-            Equalise the histogram: each colour covers the same number of vertices.
-        view : str or (float, float)
-            `three-quarter`, `behind`, `front`, `back`, `left`, `right`, `top`, `bottom`, or
-            azimuth and elevation in degrees.
-        up : {'y', 'z'}
-            The axis that points up in the picture.
-        size : (int, int)
-            Width and height in pixels.
-        samples : int
-            Samples along each side of a pixel (1 to 8).
-        wireframe : bool
-            Draw the edges.
-        shading : {'creased', 'smooth', 'flat'}
-            Normals used for shading.
-        transparent : bool
-            Leave the background transparent instead of white.
-        {run}
-
-        Returns
-        -------
-        ndarray of uint8, shape (height, width, 4)
-            Red, green, blue, alpha, as for `matplotlib.pyplot.imshow`.
-        """
-        values, undefined = _field_to_show(self, field, defined)
-        colors = None if values is not None else self._fields.get("colors")
-        coloring = {
-            "map": map,
-            "range": None if range is None else (float(range[0]), float(range[1])),
-            "equalize": bool(equalize),
-        }
-        style = {
-            "view": view if isinstance(view, str) else (float(view[0]), float(view[1])),
-            "up": up,
-            "size": (_arrays.whole(size[0], "width"), _arrays.whole(size[1], "height")),
-            "samples": _arrays.whole(samples, "samples"),
-            "wireframe": bool(wireframe),
-            "shading": shading,
-            "transparent": bool(transparent),
-        }
-        with running(threads, progress) as call:
-            image, _ = _core.render_mesh(self._core, values, undefined, colors, coloring, style, call)
-        return image
-
-
-def _field_to_show(
-    mesh: Base, field: npt.ArrayLike | str | None, defined: npt.ArrayLike | None
-) -> tuple[Floats | None, npt.NDArray[Any] | None]:
-    import numpy as np
-
-    if field is None:
-        return None, None
-    n = mesh._core.vertex_count
-    undefined = None
-    if defined is not None:
-        mask = np.asarray(defined)
-        if mask.dtype.kind != "b" or mask.shape != (n,):
-            raise _core.OptionError(
-                f"defined is {mask.dtype} of shape {mask.shape}, but must be bool of ({n},)"
-            )
-        undefined = np.ascontiguousarray(~mask)
-    if isinstance(field, str):
-        if field not in mesh._fields:
-            known = ", ".join(mesh._fields) or "none"
-            raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
-        if undefined is None and "defined" in mesh._fields and field not in ("defined", "boundary"):
-            undefined = np.asarray(mesh._fields["defined"] == 0)
-        field = mesh._fields[field]
-    if undefined is None and isinstance(field, np.ma.MaskedArray):
-        mask = np.ma.getmaskarray(field).reshape(len(field), -1).any(axis=1)
-        field, undefined = field.filled(0.0), mask
-    values = _arrays.floats(field, "field")
-    if values.shape == (n, 3):
-        values = np.linalg.norm(values, axis=1)
-    if values.shape != (n,):
-        raise _core.OptionError(f"field has the shape {values.shape}, but must have ({n},) or ({n}, 3)")
-    if undefined is not None:
-        values = np.where(undefined, 0.0, values)
-    return np.ascontiguousarray(values), undefined
 
 
 @documented

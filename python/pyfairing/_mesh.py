@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import html
 from collections.abc import Mapping
 from os import PathLike, fspath
 from types import MappingProxyType
@@ -20,6 +18,7 @@ from ._docs import documented
 from ._geodesic import Geodesics
 from ._moving import Moving
 from ._parts import Parts
+from ._pictures import Pictures
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 Fields = Mapping[str, npt.NDArray[Any]]
 
 
-class Mesh(Computing, Geodesics, Moving, Parts):
+class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     """An immutable triangle mesh.
 
     Parameters
@@ -343,32 +342,6 @@ class Mesh(Computing, Geodesics, Moving, Parts):
         if self._fields:
             text += f", fields {', '.join(self._fields)}"
         return f"Mesh({text})"
-
-    def _repr_html_(self) -> str:
-        """A picture and a table, for notebooks."""
-        info = self.info()
-        rows = {
-            "vertices": info["vertices"],
-            "faces": info["faces"],
-            "components": info["components"],
-            "boundary loops": info["boundary_loops"],
-            "genus": "undefined" if info["genus"] is None else info["genus"],
-            "area": f"{info['area']:.6g}",
-            "volume": "undefined" if info["volume"] is None else f"{info['volume']:.6g}",
-            "fields": ", ".join(self._fields) or "none",
-        }
-        cells = "".join(
-            f"<tr><th style='text-align:left'>{name}</th><td>{html.escape(str(value))}</td></tr>"
-            for name, value in rows.items()
-        )
-        table = f"<table>{cells}</table>"
-        try:
-            image = self.render(size=(480, 360), samples=2)
-        except _core.FairingError as error:
-            return f"<div>{table}<p>{html.escape(str(error))}</p></div>"
-        data = base64.b64encode(_core.png(image)).decode()
-        picture = f"<img width='360' alt='{html.escape(repr(self))}' src='data:image/png;base64,{data}'>"
-        return f"<div style='display:flex;align-items:center;gap:1em'>{picture}{table}</div>"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Mesh):

@@ -1,8 +1,8 @@
 //! Pictures.
 
 use fairing_figure::{
-    Background, Camera, ColorMap, ColoringOptions, Colors, Image, Occlusion, RenderOptions,
-    Shading, Up, Viewpoint, Wireframe, render,
+    Background, Camera, ColorMap, ColoringOptions, Colors, Exhibit, Field, Image, Occlusion,
+    RenderOptions, Shading, Up, Viewpoint, Wireframe, page, render,
 };
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -51,6 +51,7 @@ struct Style {
     wireframe: bool,
     shading: String,
     transparent: bool,
+    shadows: bool,
 }
 
 impl Style {
@@ -114,7 +115,7 @@ fn render_mesh<'py>(
     let given = colors.map(|c| triples(&c)).transpose()?;
     let (options, coloring) = (style.options()?, coloring.options()?);
     let viewpoint = style.view.viewpoint()?;
-    let up = choose("up", &style.up, &[("y", Up::Y), ("z", Up::Z)])?;
+    let up = upward(&style.up)?;
     let (image, range): Shown = call.run(py, move || {
         let camera = Camera::fit(&[&*mesh], viewpoint, up, options.aspect())?;
         let (colors, range) = match &field {
@@ -125,12 +126,56 @@ fn render_mesh<'py>(
             None => (given, None),
         };
         let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
-        let image = render(&mesh, colors, Some(&Occlusion::bake(&mesh)), &camera, &options)?;
+        let shadows = style.shadows.then(|| Occlusion::bake(&mesh));
+        let image = render(&mesh, colors, shadows.as_ref(), &camera, &options)?;
         Ok((image, range))
     })?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     let pixels = PyArray1::from_vec(py, image.pixels().as_flattened().to_vec());
     Ok((pixels.reshape([height, width, 4])?, range))
+}
+
+fn upward(name: &str) -> Result<Up> {
+    choose("up", name, &[("y", Up::Y), ("z", Up::Z)])
+}
+
+/// The name of a field, its values, and where they are undefined.
+type NamedField<'py> = (String, PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, bool>>);
+
+/// The interactive page of meshes, each with its title and its fields.
+#[pyfunction]
+fn viewer_page(
+    py: Python<'_>,
+    meshes: Vec<(PyRef<'_, Mesh>, String, Vec<NamedField<'_>>)>,
+    shown: Option<String>,
+    up: &str,
+    call: Call,
+) -> PyResult<String> {
+    let up = upward(up)?;
+    let meshes: Vec<_> = meshes
+        .iter()
+        .map(|(mesh, title, fields)| {
+            let own = |(name, field, undefined): &NamedField<'_>| {
+                (name.clone(), values(field), undefined.as_ref().map(values))
+            };
+            (mesh.share(), title.clone(), fields.iter().map(own).collect::<Vec<_>>())
+        })
+        .collect();
+    call.run(py, move || {
+        let mut exhibits = vec![];
+        for (mesh, title, own) in &meshes {
+            let mut fields = vec![];
+            for (name, values, undefined) in own {
+                let mut field = Field::new(values);
+                if let Some(undefined) = undefined {
+                    field = field.undefined_where(undefined)?;
+                }
+                fields.push((name.clone(), field));
+            }
+            exhibits.push(Exhibit { title: title.clone(), mesh, fields });
+        }
+        Ok(page(&exhibits, shown.as_deref(), up)?)
+    })
 }
 
 /// The bytes of a PNG file of an `h × w × 4` image.
@@ -148,5 +193,6 @@ fn png<'py>(
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(render_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(viewer_page, module)?)?;
     module.add_function(wrap_pyfunction!(png, module)?)
 }

@@ -57,6 +57,12 @@ pub enum FigureError {
     /// No value counts for the range of colours: all are undefined.
     #[error("the field is undefined everywhere: there is no range of colours")]
     NoValues,
+    /// No mesh of a page has the field that is to colour it.
+    #[error("there is no field {name}")]
+    NoField {
+        /// The name asked for.
+        name: String,
+    },
     /// The ends of a range of colours or of an axis do not ascend, or are not
     /// possible: percentages outside 0 to 100, or a logarithmic axis from zero.
     #[error("{what} cannot go from {low} to {high}")]

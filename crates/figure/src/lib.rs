@@ -3,7 +3,8 @@
 //! # Overview
 //!
 //! [`render`] draws a mesh in software: perspective, supersampled, shaded in linear light with
-//! baked [`Occlusion`]. Pictures are values: nothing here writes files, and nothing depends on the
+//! baked [`Occlusion`]; [`page`] makes an HTML page of meshes to turn and to click.
+//! Pictures and pages are values: nothing here writes files, and nothing depends on the
 //! number of threads.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
@@ -23,6 +24,7 @@ mod normals;
 mod number;
 mod occlusion;
 mod outline;
+mod page;
 mod paint;
 mod plot;
 mod raster;
@@ -47,6 +49,7 @@ pub use normals::Shading;
 #[doc(hidden)]
 pub use number::number;
 pub use occlusion::Occlusion;
+pub use page::{Exhibit, page};
 pub use plot::{Axis, AxisScale, Legend, Plot, Series, Shape};
 pub use render::{Colors, render};
 pub use render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};

@@ -145,7 +145,7 @@ fn write_text(out: &mut String, text: &Text) {
 
 /// Text for use between tags or in an attribute. Control characters, which XML
 /// cannot hold, become replacement characters.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -239,6 +239,7 @@ all_shared!(
     fairing::figure::Colors<'static>,
     fairing::figure::Drawing,
     fairing::figure::FigureError,
+    fairing::figure::Exhibit<'static>,
     fairing::figure::Field<'static>,
     fairing::figure::Figure,
     fairing::figure::Image,

@@ -1,4 +1,4 @@
-//! The page of the report in a real browser.
+//! The page of the report and pages of meshes in a real browser.
 //!
 //! Needs Chromium on the path; otherwise each test is listed by name as ignored.
 //! `FAIRING_SCREENSHOTS=FOLDER` saves screenshots.
@@ -10,6 +10,7 @@ mod page;
 mod play;
 mod report;
 mod scene;
+mod show;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -43,10 +44,12 @@ fn main() {
     let made =
         [report::trials(), live::trials(), page::trials(), play::trials()].concat().into_iter();
     let made = made.map(|(name, test)| trial(format!("page::{name}"), Page::Made, test));
+    let show = show::trials().into_iter();
+    let show = show.map(|(name, test)| trial(format!("show::{name}"), Page::Made, test));
     let article = article::trials()
         .into_iter()
         .map(|(name, test)| trial(format!("article::{name}"), Page::File(article::page()), test));
-    let trials = made.chain(article).collect();
+    let trials = made.chain(show).chain(article).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
     // Exiting the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));

@@ -10,7 +10,8 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use fairing_figure::ColorMap;
 
 use super::bundle::{bundled, compact};
-use super::{STYLE, view};
+use super::style::STYLE;
+use super::view;
 
 /// The scripts of the report that draw, in the order in which they use one another.
 const DRAWING: [&str; 5] = [
