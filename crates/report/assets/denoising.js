@@ -24,9 +24,8 @@ Playground.kinds.set('denoising', class extends Playground {
     });
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
     this.plots = element('div', {});
-    const {positions, faces} = Geometry.turned(this.constructor.outline, 0.1);
-    const h = Geometry.meanEdge(positions, faces);
-    Object.assign(this, {truth: positions, faces, h, topology: Filter.topology(positions.length / 3, faces)});
+    const {positions, faces} = Surfaces.turned(this.constructor.outline, 0.1);
+    Object.assign(this, {truth: positions, faces, ball: {center: [0, 0, 0], radius: 1.2}});
     return [
       element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, again),
       element('div', {class: 'panels'}, ...this.results.map(({stage}) => stage.panel)),
@@ -34,43 +33,66 @@ Playground.kinds.set('denoising', class extends Playground {
     ];
   }
 
-  /** The part under this noise, after diffusion and after the filter. */
+  preview() {
+    for (const {stage} of this.results) stage.show(this.truth, this.faces, this.ball, {flat: true});
+  }
+
+  async prepare() {
+    this.number = await Computing.add(this.truth, this.faces);
+    this.h = (await Computing.call({verb: 'info', mesh: this.number})).value.mean_edge;
+  }
+
+  /** The part under this noise, after diffusion and after the filter, each with its scores. */
   restored(sigma) {
-    if (this.drawn !== this.seed) [this.drawn, this.noise] = [this.seed, Geometry.gaussians(this.truth.length, this.seed)];
-    const noisy = this.truth.map((x, i) => x + sigma * this.h * this.noise[i]);
-    return [
-      noisy,
-      new Smoother(noisy, this.faces).explicit(0.5, this.steps.value()),
-      Filter.bilateral(noisy, this.faces, this.topology, this.rounds.value()),
-    ];
+    const scored = async (mesh, positions) => {
+      const {normal_mean: angle, volume_drift: volume, feature_recall: recall} = await Computing.matching(mesh, this.number);
+      return {positions, angle, volume: 100 * volume, creases: 100 * recall};
+    };
+    const noise = {verb: 'noise', method: 'axes', mesh: this.number, values: {sigma, seed: this.seed}};
+    return Computing.made(noise, async (mesh, positions) => [
+      await scored(mesh, positions),
+      await Computing.made({verb: 'smooth', method: 'explicit', mesh, values: {lambda: 0.5, iterations: this.steps.value()}}, scored),
+      await Computing.made({verb: 'denoise', method: 'bilateral-normal', mesh, values: {iterations: this.rounds.value()}}, scored),
+    ]);
   }
 
-  scores(positions) {
-    return Filter.scores(positions, this.truth, this.faces, this.topology);
-  }
-
-  settle() {
+  async compute() {
+    this.prepared ??= this.prepare();
+    await this.prepared;
     const sigma = this.sigma.value();
-    this.now = this.restored(sigma);
-    this.found = this.now.map((positions) => this.scores(positions));
-    const ball = {center: [0, 0, 0], radius: 1.2};
+    this.now = {sigma, found: await this.restored(sigma)};
+  }
+
+  /** E_a over the noise, which is kept until the steps, the rounds or the seed change. */
+  async refine() {
+    const key = [this.steps.value(), this.rounds.value(), this.seed].join();
+    if (key === this.key) return;
+    const curve = [];
+    for (const sigma of [0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.6]) {
+      if (this.isStale) return;
+      curve.push([sigma, ...(await this.restored(sigma)).map(({angle}) => angle)]);
+    }
+    [this.key, this.curve] = [key, curve];
+    this.present();
+  }
+
+  show() {
     this.results.forEach(({stage, facts}, k) => {
-      const {angle, volume, creases} = this.found[k];
+      const {positions, angle, volume, creases} = this.now.found[k];
       const fact = (name, value) => element('span', {class: 'fact'}, `${name} `, element('b', {}, value));
       facts.replaceChildren(
         fact('E_a', `${readable(angle, 2)}°`),
         fact('volume', `${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`),
         fact('creases kept', `${readable(creases, 2)} %`));
-      const values = Derived.angles(this.now[k], this.truth, this.faces);
-      stage.show(this.now[k], this.faces, ball, {flat: true, colors: {values, range: [0, 40], map: 'viridis', name: 'normal error', unit: '°'}});
+      const values = Derived.angles(positions, this.truth, this.faces);
+      stage.show(positions, this.faces, this.ball, {flat: true, colors: {values, range: [0, 40], map: 'viridis', name: 'normal error', unit: '°'}});
     });
     this.result.textContent = this.verdict();
-    this.plots.replaceChildren(this.plot(sigma));
-    if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
+    this.plots.replaceChildren(this.plot(this.now.sigma));
   }
 
   verdict() {
-    const [noisy, flow, filter] = this.found;
+    const [noisy, flow, filter] = this.now.found;
     const of = ({angle, volume, creases}) => `E_a ${readable(angle, 2)}°, ${readable(creases, 2)} % of the creases, volume ${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`;
     const least = Math.min(noisy.angle, flow.angle, filter.angle);
     const who = least === noisy.angle ? 'Nothing helps here: the noisy part is the closest to the truth'
@@ -78,26 +100,20 @@ Playground.kinds.set('denoising', class extends Playground {
     return `Diffusion leaves ${of(flow)}; the filter ${of(filter)}. ${who}.`;
   }
 
-  /** E_a over the noise, measured again when the steps, the rounds or the seed change. */
   plot(sigma) {
-    const key = [this.steps.value(), this.rounds.value(), this.seed].join();
-    if (key !== this.key) {
-      this.key = key;
-      this.curve = [0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.6].map((s) => [s, ...this.restored(s).map((p) => this.scores(p).angle)]);
-    }
     const names = [['noisy', 'soft'], ['diffusion', 'red'], ['filter', 'blue']];
     return linePlot({
       label: 'E_a over the noise: of the noisy part, after diffusion and after the filter',
       x: {from: 0, to: 0.6, label: 'noise σ/h'},
       y: {from: 0, to: 80, label: 'E_a in degrees'},
-      series: names.map(([name, kind], k) => ({name, kind, points: this.curve.map((row) => [row[0], row[1 + k]])})),
+      series: names.map(([name, kind], k) => ({name, kind, points: (this.curve ?? []).map((row) => [row[0], row[1 + k]])})),
       marks: [{at: sigma}],
-      here: this.found.map(({angle}) => [sigma, Math.min(80, angle)]),
+      here: this.now.found.map(({angle}) => [sigma, Math.min(80, angle)]),
     });
   }
 
   about(v) {
-    const off = this.now.map((positions) => Math.hypot(...[0, 1, 2].map((c) => positions[3 * v + c] - this.truth[3 * v + c])) / this.h);
+    const off = this.now.found.map(({positions}) => Math.hypot(...[0, 1, 2].map((c) => positions[3 * v + c] - this.truth[3 * v + c])) / this.h);
     const [noisy, flow, filter] = off.map((x) => readable(x, 2));
     return `Off its true place by ${noisy} h (noisy), ${flow} h (diffusion) and ${filter} h (filter).`;
   }

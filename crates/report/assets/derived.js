@@ -1,8 +1,8 @@
 'use strict';
 
 /**
- * Fields that the page computes from positions: how far vertices moved, how far they are off the truth, and mean
- * curvature. `from` of a view is the panel from which displacement counts, `truth` the true positions.
+ * Fields that follow from positions: how far vertices moved, how far they are off the truth, and mean curvature, which
+ * the module computes. `from` of a view is the panel from which displacement counts, `truth` the true positions.
  */
 const Derived = (() => {
   /** Of each vertex, something of three coordinates of two meshes. */
@@ -25,21 +25,21 @@ const Derived = (() => {
     });
   }
 
-  /** The mean angle between corresponding face normals, in degrees; faces without area do not count. */
-  function normalError(positions, truth, faces) {
-    let [sum, count] = [0, 0];
-    for (let f = 0; f < faces.length; f += 3) {
-      const [m, n] = [positions, truth].map((p) => Geometry.faceNormal(p, faces, f));
-      const sizes = Math.hypot(...m) * Math.hypot(...n);
-      if (!(sizes > 0)) continue;
-      const cosine = (m[0] * n[0] + m[1] * n[1] + m[2] * n[2]) / sizes;
-      sum += (180 * Math.acos(Math.max(-1, Math.min(1, cosine)))) / Math.PI;
-      count += 1;
-    }
-    return sum / count;
+  /** Mean curvature by positions, as far as it is known. */
+  const curvatures = new WeakMap();
+  const asked = new WeakMap();
+
+  async function meanCurvature(positions, faces) {
+    const mesh = await Computing.add(positions, faces);
+    const {mean} = await Computing.curvature(mesh);
+    await Computing.drop(mesh);
+    return Float32Array.from(mean);
   }
 
-  /** What a view can be coloured by beyond the fields that it brings along. */
+  /**
+   * What a view can be coloured by beyond the fields that it brings along. A field with `ask` is computed by it first, which
+   * returns whether there is something new.
+   */
   function fields({from, truth, panels, fields: own}, meshes) {
     const all = [];
     const add = (name, unit, signed, values) => all.push({name, unit, signed, derived: values});
@@ -59,10 +59,17 @@ const Derived = (() => {
       });
     }
     if (!own.some((f) => f.name.startsWith('mean curvature'))) {
-      add('mean curvature', '1/mesh units', true, (view, mesh) => Float32Array.from(Geometry.curvature(view.positions(mesh), mesh.faces).mean));
+      add('mean curvature', '1/mesh units', true, (view, mesh) => curvatures.get(view.positions(mesh)) ?? null);
+      all.at(-1).ask = async (view, mesh) => {
+        const positions = view.positions(mesh);
+        if (curvatures.has(positions)) return false;
+        if (!asked.has(positions)) asked.set(positions, meanCurvature(positions, mesh.faces));
+        curvatures.set(positions, await asked.get(positions));
+        return true;
+      };
     }
     return all;
   }
 
-  return {fields, angles, normalError};
+  return {fields, angles};
 })();

@@ -5,6 +5,8 @@
  * through the limit 4/3 and through 2, and each mode is multiplied by its factor.
  */
 Playground.kinds.set('diffusion', class extends Playground {
+  ball = {center: [0, 0, 0], radius: 1.3};
+
   build() {
     this.camera = new Camera(30, 20, true);
     this.lambda = this.slider('λ', {min: 0, max: 2.2, step: 0.01, value: 1.45}, (x) => `λ = ${readable(x)}`);
@@ -13,72 +15,59 @@ Playground.kinds.set('diffusion', class extends Playground {
     this.after = ['explicit', 'implicit'].map((flow) => Object.assign(this.stage(flow, `The ball after ${flow} steps.`), {flow}));
     this.plots = element('div', {class: 'panels'});
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.analyse();
+    this.make();
     return [
       element('div', {class: 'panels'}, ...[this.before, ...this.after].map(({panel}) => panel)),
       this.lambda.row, this.count.row, this.result, this.plots,
     ];
   }
 
-  /** The mesh and its modes: those of D^(−½) A D^(−½) are those of L = D⁻¹A − I times D^½, which is symmetric. */
-  analyse() {
-    const {positions, faces} = Geometry.octasphere(9);
+  /** The ball; its noise is of waves too short for the mesh. */
+  make() {
+    const {positions, faces} = Surfaces.octasphere(9);
     const n = positions.length / 3;
-    const noise = Geometry.gaussians(3 * n, 5);
     for (let v = 0; v < n; v++) {
       const [x, y, z] = positions.subarray(3 * v, 3 * v + 3);
       const r = 1 + 0.22 * Math.sin(3 * x + 1) * Math.cos(4 * y) + 0.12 * Math.sin(5 * z);
-      for (let k = 0; k < 3; k++) positions[3 * v + k] = r * positions[3 * v + k] + 0.02 * noise[3 * v + k];
+      for (let k = 0; k < 3; k++) positions[3 * v + k] = r * positions[3 * v + k] + 0.028 * Math.sin(10000 * (3 * v + k + 1));
     }
-    const {starts, ends} = Geometry.neighbours(n, faces);
-    const root = Float64Array.from({length: n}, (_, v) => Math.sqrt(starts[v + 1] - starts[v]));
-    const matrix = new Float64Array(n * n);
-    for (let v = 0; v < n; v++) {
-      matrix[v * n + v] = -1;
-      for (let i = starts[v]; i < starts[v + 1]; i++) matrix[v * n + ends[i]] = 1 / (root[v] * root[ends[i]]);
-    }
-    // Ascending: the roughest mode is the first.
-    const {values, vectors} = symmetricEigen(matrix, n);
-    const parts = new Float64Array(3 * n);
-    for (let v = 0; v < n; v++) {
-      for (let k = 0; k < n; k++) {
-        for (let c = 0; c < 3; c++) parts[3 * k + c] += vectors[v * n + k] * root[v] * positions[3 * v + c];
-      }
-    }
-    Object.assign(this, {n, positions, faces, root, values, vectors, parts});
+    Object.assign(this, {n, positions, faces});
   }
 
-  /** The positions after steps that multiply each mode by this factor. */
-  flown(factor, count) {
-    const {n, root, values, vectors, parts} = this;
-    const scaled = parts.map((x, i) => x * factor(values[Math.floor(i / 3)]) ** count);
-    const out = new Float64Array(3 * n);
-    for (let v = 0; v < n; v++) {
-      let [x, y, z] = [0, 0, 0];
-      for (let k = 0; k < n; k++) {
-        const w = vectors[v * n + k];
-        x += w * scaled[3 * k];
-        y += w * scaled[3 * k + 1];
-        z += w * scaled[3 * k + 2];
-      }
-      out.set([x / root[v], y / root[v], z / root[v]], 3 * v);
-    }
-    return out;
+  preview() {
+    for (const stage of [this.before, ...this.after]) stage.show(this.positions, this.faces, this.ball, {flat: true});
   }
 
-  settle() {
+  /** Hands the ball to the module, which finds its modes. */
+  async prepare() {
+    const mesh = await Computing.add(this.positions, this.faces);
+    const {arrays: {values, sizes}} = await Computing.call({verb: 'spectrum', mesh, values: {k: this.n, operator: 'uniform'}});
+    await Computing.call({verb: 'mode', mesh, mode: this.n - 1});
+    const {arrays: {values: rough}} = await Computing.call({verb: 'field', mesh, name: 'mode'});
+    Object.assign(this, {mesh, values, sizes, rough, roughest: -values[this.n - 1]});
+  }
+
+  async compute() {
+    this.prepared ??= this.prepare();
+    await this.prepared;
     const [lambda, count] = [this.lambda.value(), this.count.value()];
+    const given = {explicit: {unstable: 'allow'}, implicit: {}};
+    const results = {};
+    for (const {flow: method} of this.after) {
+      const values = {lambda, iterations: count, ...given[method]};
+      results[method] = await Computing.made({verb: 'smooth', method, mesh: this.mesh, values});
+    }
+    this.now = {lambda, count, results};
+  }
+
+  show() {
+    const {lambda, count, results} = this.now;
     const factors = {explicit: (mu) => 1 + lambda * mu, implicit: (mu) => 1 / (1 - lambda * mu)};
-    const ball = {center: [0, 0, 0], radius: 1.3};
-    this.before.show(this.positions, this.faces, ball, {flat: true, colors: this.colors()});
-    this.results = {};
+    this.before.show(this.positions, this.faces, this.ball, {flat: true, colors: this.colors()});
     for (const stage of this.after) {
-      const {flow} = stage;
-      const result = this.flown(factors[flow], count);
-      this.results[flow] = result;
-      const {positions, note} = Geometry.fitted(this.positions, result, 0.75);
-      stage.title.textContent = this.titleOf(flow, note);
-      stage.show(positions, this.faces, ball, {flat: true});
+      const {positions, note} = Geometry.fitted(this.positions, results[stage.flow], 0.75);
+      stage.title.textContent = this.titleOf(stage.flow, note);
+      stage.show(positions, this.faces, this.ball, {flat: true});
     }
     this.plot(lambda, count, factors);
     this.result.textContent = this.verdict(lambda, count, factors);
@@ -86,13 +75,13 @@ Playground.kinds.set('diffusion', class extends Playground {
 
   /** The roughest mode. */
   colors() {
-    const rough = Float64Array.from({length: this.n}, (_, v) => this.vectors[v * this.n] / this.root[v]);
+    const {rough} = this;
     const most = rough.reduce((m, x) => Math.max(m, Math.abs(x)), 0);
     return {values: rough.map((x) => x / most), range: [-1, 1], map: 'coolwarm', name: 'roughest mode', unit: ''};
   }
 
   titleOf(flow, note) {
-    return `${flow}, ${this.count.value()} × ${readable(this.lambda.value())}${note}`;
+    return `${flow}, ${this.now.count} × ${readable(this.now.lambda)}${note}`;
   }
 
   plot(lambda, count, factors) {
@@ -100,7 +89,7 @@ Playground.kinds.set('diffusion', class extends Playground {
   }
 
   verdict(lambda, count, factors) {
-    const mu = this.values[0];
+    const mu = this.roughest;
     const [one, other] = [factors.explicit(mu), factors.implicit(mu)];
     const limit = -2 / mu;
     // The limit itself is 4/3, and sliders stop beside it.
@@ -116,7 +105,7 @@ Playground.kinds.set('diffusion', class extends Playground {
     const along = Array.from({length: 101}, (_, i) => i / 50);
     const series = Object.entries(factors).map(([name, factor]) => (
       {name, kind: name === 'explicit' ? 'red' : 'blue', points: along.map((m) => [m, factor(-m)])}));
-    const rough = -this.values[0];
+    const rough = -this.roughest;
     const plot = linePlot({
       label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
       x: {from: 0, to: 2, label: '|μ|, smooth to rough'},
@@ -131,16 +120,14 @@ Playground.kinds.set('diffusion', class extends Playground {
 
   /** The size of each mode in the positions, before and after. */
   spectrum(factors, count) {
-    const {n, values, parts} = this;
-    const size = (k) => Math.hypot(parts[3 * k], parts[3 * k + 1], parts[3 * k + 2]);
-    const dots = (factor) => Array.from({length: n}, (_, k) => [-values[k], size(k) * Math.abs(factor(values[k])) ** count]);
+    const {values, sizes} = this;
+    // From the smoothest mode to the roughest, so that labels are at the rough end.
+    const dots = (factor) => Array.from(values, (x, k) => [x, sizes[k] * Math.abs(factor(-x)) ** count]);
     const series = [
       {name: 'input', kind: 'soft', dots: true, points: dots(() => 1)},
       {name: 'explicit', kind: 'red', dots: true, points: dots(factors.explicit)},
       {name: 'implicit', kind: 'blue', dots: true, points: dots(factors.implicit)},
     ];
-    // From the smoothest mode to the roughest, so that labels are at the rough end.
-    series.forEach(({points}) => points.reverse());
     const plot = linePlot({
       label: 'size of each mode in the positions before and after, on a logarithmic axis',
       x: {from: 0, to: 1.5, label: '|μ|, smooth to rough'},
@@ -151,7 +138,7 @@ Playground.kinds.set('diffusion', class extends Playground {
   }
 
   about(v) {
-    const moved = (name) => Math.hypot(...[0, 1, 2].map((c) => this.results[name][3 * v + c] - this.positions[3 * v + c]));
+    const moved = (name) => Math.hypot(...[0, 1, 2].map((c) => this.now.results[name][3 * v + c] - this.positions[3 * v + c]));
     return `Moved by ${readable(moved('explicit'))} (explicit) and ${readable(moved('implicit'))} (implicit).`;
   }
 });
@@ -165,8 +152,14 @@ Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') 
     this.before = this.stage('before', 'A bumpy ball with noise.');
     this.after = [Object.assign(this.stage('after 12 steps', 'The ball after 12 steps.'), {flow: 'explicit'})];
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.analyse();
+    this.make();
     return [element('div', {class: 'panels'}, this.before.panel, this.after[0].panel), this.lambda.row, this.result];
+  }
+
+  async prepare() {
+    const mesh = await Computing.add(this.positions, this.faces);
+    const {value} = await Computing.call({verb: 'info', mesh});
+    Object.assign(this, {mesh, roughest: -value.roughest_eigenvalue});
   }
 
   colors() {
@@ -180,13 +173,13 @@ Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') 
   plot() {}
 
   verdict(lambda) {
-    const factor = Math.abs(1 + lambda * this.values[0]) ** 12;
+    const factor = Math.abs(1 + lambda * this.roughest) ** 12;
     const size = factor < 0.01 ? 'less than a hundredth of its height' : `${readable(factor)} times its height`;
     return `After twelve steps the roughest wave has ${size}.`;
   }
 
   about(v) {
-    const moved = Math.hypot(...[0, 1, 2].map((c) => this.results.explicit[3 * v + c] - this.positions[3 * v + c]));
+    const moved = Math.hypot(...[0, 1, 2].map((c) => this.now.results.explicit[3 * v + c] - this.positions[3 * v + c]));
     return `Moved by ${readable(moved)}.`;
   }
 });

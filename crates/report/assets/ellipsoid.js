@@ -10,7 +10,7 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     this.solid = this.stage('the ellipsoid', 'An ellipsoid with the circle that fits it best at the end of its first axis.');
     this.plots = element('div', {class: 'panels'});
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.ball = Geometry.octasphere(24);
+    this.ball = Surfaces.octasphere(24);
     return [
       element('div', {class: 'panels'}, this.solid.panel, this.plots), this.result,
       ...[...this.axes, this.angle].map(({row}) => row),
@@ -24,7 +24,8 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     return {exact: a * ((cos / b) ** 2 + (sin / c) ** 2), source: -(cos ** 2) / c};
   }
 
-  settle() {
+  show() {
+    this.now = {};
     const [a, b, c] = this.axes.map((axis) => axis.value());
     const theta = (this.angle.value() * Math.PI) / 180;
     const {exact, source} = this.curvatures(theta);

@@ -1,20 +1,21 @@
 'use strict';
 
 /**
- * Explicit and implicit smoothing of a view's input, computed in the page, side
+ * Explicit and implicit smoothing of a view's input, computed by the module, side
  * by side at the same λ and number of steps, so at equal diffusion time. The
  * input itself stays where it is.
  */
 class LiveFlows {
   /** For the first panel that brings its input along; null if none does. */
-  static of(panels, changed) {
+  static of(panels, truth, changed) {
     const source = panels.find((panel) => panel.live);
-    return source ? new LiveFlows(source, changed) : null;
+    return source ? new LiveFlows(source, truth, changed) : null;
   }
 
-  constructor(source, changed) {
-    this.smoother = new Smoother(source.live, source.faces);
+  constructor(source, truth, changed) {
     this.input = source.live;
+    this.truth = truth;
+    this.faces = source.faces;
     this.changed = changed;
     this.on = false;
     this.task = 0;
@@ -62,33 +63,76 @@ class LiveFlows {
 
   /** Puts the results away. */
   forget() {
-    this.task += 1;
+    this.sliders.hidden = true;
     if (!this.on) return;
     this.on = false;
-    this.sliders.hidden = true;
     this.button.textContent = 'smooth the input here';
     this.status.textContent = '';
     this.modes.replaceChildren();
     this.changed();
   }
 
-  async run() {
-    const task = ++this.task;
+  /** Hands the input and the truth to the module. */
+  async prepare() {
+    this.mesh = await Computing.add(this.input, this.faces);
+    if (this.truth) this.reference = await Computing.add(this.truth, this.faces);
+    const {value} = await Computing.call({verb: 'info', mesh: this.mesh});
+    this.roughest = -value.roughest_eigenvalue;
+  }
+
+  /** The result of a flow with its normal error, or null if it grows beyond all numbers. */
+  async flown(method, values) {
+    try {
+      return await Computing.made({verb: 'smooth', method, mesh: this.mesh, values}, async (mesh, positions) => ({
+        positions,
+        angle: this.truth ? (await Computing.matching(mesh, this.reference)).normal_mean : null,
+      }));
+    } catch (error) {
+      if (method === 'explicit' && !error.isCancelled) return null;
+      throw error;
+    }
+  }
+
+  /** Smooths as the sliders say; of the changes meanwhile the last one counts. */
+  run() {
+    this.task += 1;
     this.sliders.hidden = false;
-    const [lambda, count] = this.chosen();
     this.words();
+    this.running ??= this.follow();
+    return this.running;
+  }
+
+  async follow() {
+    try {
+      for (let task = 0; task !== this.task && !this.sliders.hidden;) {
+        task = this.task;
+        await this.smooth();
+      }
+    } catch (error) {
+      this.status.textContent = `This could not be computed: ${error.message}.`;
+    } finally {
+      this.running = null;
+    }
+  }
+
+  async smooth() {
+    const [lambda, count] = this.chosen();
+    this.prepared ??= this.prepare();
+    await this.prepared;
     const start = performance.now();
-    const explicit = this.smoother.explicit(lambda, count);
-    const implicit = await this.smoother.smooth(lambda, count, () => task !== this.task, (done) => {
-      this.status.textContent = `step ${done} of ${count} …`;
-    });
-    if (!implicit) return;
-    this.results = {explicit: Geometry.fitted(this.input, explicit), implicit: Geometry.fitted(this.input, implicit)};
-    this.on = true;
-    this.button.textContent = 'back to the measured steps';
-    this.done += 1;
+    const values = {lambda, iterations: count};
+    const explicit = await this.flown('explicit', {...values, unstable: 'allow'});
+    const implicit = await this.flown('implicit', values);
+    // The results may have been put away meanwhile.
+    if (this.sliders.hidden) return;
     const took = performance.now() - start;
-    const moved = (x) => (x ? readable(this.moved(x)) : 'no number');
+    const fitted = (result) => ({...Geometry.fitted(this.input, result?.positions), angle: result?.angle ?? null});
+    this.results = {explicit: fitted(explicit), implicit: fitted(implicit)};
+    this.done += 1;
+    this.on = true;
+    this.shown = [lambda, count];
+    this.button.textContent = 'back to the measured steps';
+    const moved = (result) => (result ? readable(this.moved(result.positions)) : 'no number');
     this.status.textContent =
       `Moved by ${moved(explicit)} (explicit) and ${moved(implicit)} (implicit), RMS in mesh units; ${took.toFixed(0)} ms.`;
     this.modes.replaceChildren(...this.factors(lambda, count));
@@ -111,13 +155,13 @@ class LiveFlows {
   }
 
   titleOf(flow) {
-    const [lambda, count] = this.chosen();
+    const [lambda, count] = this.shown;
     return `${flow}, ${count} × ${readable(lambda)}${this.results[flow]?.note ?? ''}`;
   }
 
   /** What one step does to the roughest mode, in words and as curves over all modes. */
   factors(lambda, count) {
-    const mu = this.smoother.roughest();
+    const mu = this.roughest;
     const limit = 2 / -mu;
     const [one, other] = [1 + lambda * mu, 1 / (1 - lambda * mu)];
     const verdict = lambda > limit

@@ -4,7 +4,7 @@
 Playground.kinds.set('noise', class extends Playground {
   static surfaces = {
     sphere: {
-      make: (size) => Geometry.octasphere(size),
+      make: (size) => Surfaces.octasphere(size),
       exact: ({positions}) => {
         const one = new Float64Array(positions.length / 3).fill(1);
         return {mean: one, gaussian: one};
@@ -13,7 +13,7 @@ Playground.kinds.set('noise', class extends Playground {
       euler: 2,
     },
     torus: {
-      make: (size) => Geometry.torus(1, 0.4, 4 * Math.round(0.95 * size), 2 * Math.round(0.8 * size)),
+      make: (size) => Surfaces.torus(1, 0.4, 4 * Math.round(0.95 * size), 2 * Math.round(0.8 * size)),
       exact: ({angles}) => ({
         mean: angles.map((v) => (1 + 0.8 * Math.cos(v)) / (0.8 * (1 + 0.4 * Math.cos(v)))),
         gaussian: angles.map((v) => Math.cos(v) / (0.4 * (1 + 0.4 * Math.cos(v)))),
@@ -33,7 +33,6 @@ Playground.kinds.set('noise', class extends Playground {
     const again = element('button', {type: 'button'}, 'draw noise again');
     again.addEventListener('click', () => {
       this.seed += 1;
-      this.key = '';
       this.change();
     });
     this.panels = [this.stage('H, mean curvature', 'A noisy surface, coloured by mean curvature.'), this.stage('K, Gaussian curvature', 'The same surface, coloured by Gaussian curvature.')];
@@ -50,26 +49,54 @@ Playground.kinds.set('noise', class extends Playground {
     return this.mesh ? `${this.mesh.positions.length / 3} vertices` : 'resolution';
   }
 
-  /** The surface without noise, the noise at σ = 1, and the curve of errors; made again when one of them changes. */
-  prepare() {
-    const key = [this.surface.value(), this.size.value(), this.seed].join();
-    if (key === this.key) return;
-    this.key = key;
+  /** The surface without noise. */
+  make() {
+    const key = [this.surface.value(), this.size.value()].join();
+    if (key === this.made) return false;
+    this.made = key;
     this.kind = this.constructor.surfaces[this.surface.value()];
     this.mesh = this.kind.make(this.size.value());
     this.exact = this.kind.exact(this.mesh);
-    this.h = Geometry.meanEdge(this.mesh.positions, this.mesh.faces);
-    this.noise = Geometry.gaussians(this.mesh.positions.length, this.seed);
     this.size.say();
-    this.curve = Array.from({length: 11}, (_, i) => {
-      const sigma = 0.005 * 100 ** (i / 10);
-      return [sigma, ...this.errors(this.estimate(sigma))];
-    });
+    return true;
   }
 
+  preview() {
+    this.make();
+    this.made = '';
+    for (const stage of this.panels) stage.show(this.mesh.positions, this.mesh.faces, {center: [0, 0, 0], radius: this.kind.radius});
+  }
+
+  async compute() {
+    if (this.make()) {
+      await Computing.drop(this.number);
+      this.number = await Computing.add(this.mesh.positions, this.mesh.faces);
+    }
+    const sigma = this.sigma.value();
+    this.now = {sigma, ...await this.estimate(sigma)};
+  }
+
+  /** The curve of errors, which is kept until the surface or the seed changes. */
+  async refine() {
+    const key = [this.made, this.seed].join();
+    if (key === this.key) return;
+    const curve = [];
+    for (let i = 0; i <= 10 && !this.isStale; i++) {
+      const sigma = 0.005 * 100 ** (i / 10);
+      curve.push([sigma, ...this.errors(await this.estimate(sigma))]);
+    }
+    if (this.isStale) return;
+    [this.key, this.curve] = [key, curve];
+    this.present();
+  }
+
+  /** The noisy surface with its curvature, and the sum of its angle defects. */
   estimate(sigma) {
-    const positions = this.mesh.positions.map((x, i) => x + sigma * this.h * this.noise[i]);
-    return {positions, ...Geometry.curvature(positions, this.mesh.faces)};
+    const request = {verb: 'noise', method: 'axes', mesh: this.number, values: {sigma, seed: this.seed}};
+    return Computing.made(request, async (mesh, positions) => {
+      const {value} = await Computing.call({verb: 'info', mesh});
+      return {positions, total: value.total_curvature, ...await Computing.curvature(mesh)};
+    });
   }
 
   /** Root mean square errors of H and K over the root mean square of the exact values. */
@@ -88,10 +115,8 @@ Playground.kinds.set('noise', class extends Playground {
     return Math.sqrt(this.exact[name].reduce((sum, x) => sum + x * x, 0) / this.exact[name].length);
   }
 
-  settle() {
-    this.prepare();
-    const sigma = this.sigma.value();
-    this.now = this.estimate(sigma);
+  show() {
+    const {sigma} = this.now;
     const [mean, gaussian] = this.errors(this.now);
     const ball = {center: [0, 0, 0], radius: this.kind.radius};
     const relative = this.shown.value() === 'error';
@@ -108,7 +133,6 @@ Playground.kinds.set('noise', class extends Playground {
       `The angle defects still add up to ${this.total()}, as they must: 2πχ = ${2 * this.kind.euler ? `${2 * this.kind.euler} π` : '0'}.`;
     this.plots.replaceChildren(this.plot(sigma, mean, gaussian));
     if (this.picked >= this.mesh.positions.length / 3) this.picked = -1;
-    if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
   }
 
   /** The sum of all angle defects in parts of π; what is left of zero is rounding. */
@@ -118,7 +142,7 @@ Playground.kinds.set('noise', class extends Playground {
   }
 
   plot(sigma, mean, gaussian) {
-    const series = ['H', 'K'].map((name, k) => ({name, kind: k ? 'red' : 'blue', points: this.curve.map((row) => [row[0], row[1 + k]])}));
+    const series = ['H', 'K'].map((name, k) => ({name, kind: k ? 'red' : 'blue', points: (this.curve ?? []).map((row) => [row[0], row[1 + k]])}));
     const shown = Math.min(0.5, Math.max(0.005, sigma));
     return linePlot({
       label: 'relative errors of H and K over the noise, on logarithmic axes',

@@ -75,8 +75,10 @@ class Stage {
 }
 
 /**
- * Something to play with, computed in the page. A kind of playground has `build`, which returns its elements and fills
- * `inputs` (what is remembered in the address) and `stages`, and `settle`, which computes and shows.
+ * Something to play with. A kind of playground has `build`, which returns its elements and fills `inputs` (what is
+ * remembered in the address) and `stages`, and `show`, which shows `now`. Where the module computes it also has
+ * `preview`, which shows what there is before the module has loaded, `compute`, which makes `now`, and perhaps `refine`,
+ * which adds to it what takes longer, until `isStale`.
  */
 class Playground extends Drawn {
   static kinds = new Map();
@@ -98,21 +100,60 @@ class Playground extends Drawn {
     this.picked = -1;
     this.pixel = 1;
     this.wanted = '';
+    this.now = null;
   }
 
   /** Builds the controls and shows the first state; once. */
   open() {
-    if (this.opened) return;
-    this.opened = true;
+    this.opened ??= this.begin();
+    return this.opened;
+  }
+
+  async begin() {
     const made = this.build();
     this.words = element('output', {class: 'picked', 'aria-live': 'polite'});
     const hint = element('p', {class: 'hint', hidden: !Renderer || !this.stages.length}, this.words);
     this.figure.querySelector('.stage').replaceChildren(...made, hint);
     this.figure.classList.add('open');
     if (this.wanted) this.recall();
-    this.settle();
+    this.preview();
     const fit = new ResizeObserver(() => this.draw());
     for (const {canvas} of this.stages) fit.observe(canvas);
+    this.draw();
+    await this.settle();
+  }
+
+  preview() {}
+
+  async compute() {}
+
+  async refine() {}
+
+  /** Computes and shows what is chosen; of the changes meanwhile the last one counts. */
+  settle() {
+    this.isStale = true;
+    this.settling ??= this.follow();
+    return this.settling;
+  }
+
+  async follow() {
+    try {
+      while (this.isStale) {
+        this.isStale = false;
+        await this.compute();
+        this.present();
+        if (!this.isStale) await this.refine();
+      }
+    } catch (error) {
+      this.result.textContent = `This could not be computed: ${error.message}.`;
+    } finally {
+      this.settling = null;
+    }
+  }
+
+  present() {
+    this.show();
+    if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
     this.draw();
   }
 
@@ -137,7 +178,6 @@ class Playground extends Drawn {
 
   change() {
     this.settle();
-    this.draw();
     this.remember();
   }
 
@@ -151,12 +191,14 @@ class Playground extends Drawn {
   }
 
   pick(stage, x, y) {
+    if (!this.now) return;
     this.picked = stage.vertexAt(x, y);
     this.say();
   }
 
   step(by) {
-    const count = this.stages[0].mesh.vertices;
+    const count = this.stages[0].mesh?.vertices;
+    if (!count || !this.now) return;
     this.picked = (Math.max(this.picked, by > 0 ? -1 : 0) + by + count) % count;
     this.say();
   }
@@ -176,10 +218,9 @@ class Playground extends Drawn {
 
   fromText(text) {
     this.wanted = text;
-    if (!this.opened) return;
+    if (!this.opened) return null;
     this.recall();
-    this.settle();
-    this.draw();
+    return this.settle();
   }
 
   /** What the address says; values out of range become the nearest in range, as sliders have it. */

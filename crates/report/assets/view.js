@@ -44,7 +44,7 @@ class View extends Drawn {
     const block = await Block.unpack(this.figure.querySelector('script.data').textContent);
     const panels = decodeView(this.description, block);
     this.truth = block.truth;
-    this.live = LiveFlows.of(panels, () => this.liveChanged());
+    this.live = LiveFlows.of(panels, this.truth, () => this.liveChanged());
     this.meshes = [...panels, ...(this.live?.panels ?? [])].map((panel) => ({
       ...panel,
       zeros: new Float32Array(panel.vertices),
@@ -69,6 +69,7 @@ class View extends Drawn {
     this.settle();
     this.live?.recall(this.wantedLive);
     if (this.sum && this.wantedSum) this.settleSum(this.wantedSum);
+    await this.asked;
   }
 
   /** Another number of modes. */
@@ -453,7 +454,32 @@ class View extends Drawn {
     }
   }
 
+  /**
+   * Asks the module for what the colours need, at all stops since they share a range, and for the values of a picked
+   * vertex; settles again if there is something new.
+   */
+  async ask() {
+    const {state} = this;
+    const chosen = this.chosen();
+    const wanted = state.picked < 0 ? [chosen] : this.fields;
+    const fields = wanted.filter((field) => field?.ask);
+    const asked = [];
+    for (const field of fields) {
+      const now = () => asked.push(...this.visible().map((mesh) => field.ask(this, mesh)));
+      if (field === chosen && !this.live?.on && !state.range) this.atAllStops(now);
+      else now();
+    }
+    const found = await Promise.all(asked);
+    if (!found.includes(true)) return;
+    for (const field of fields) {
+      field.kept?.clear();
+      field.rangeKey = null;
+    }
+    this.settle();
+  }
+
   settle() {
+    this.asked = this.ask().catch((error) => { this.words.textContent = `This could not be computed: ${error.message}.`; });
     const {state} = this;
     if (this.fieldChoice) {
       this.fieldChoice.value = state.field;
@@ -491,7 +517,10 @@ class View extends Drawn {
 
   /** What was measured of a panel at this combination of stops, number by number. */
   facts(mesh) {
-    if (mesh.flow && this.live.on && this.truth) return [fact('normal error', Derived.normalError(this.positions(mesh), this.truth, mesh.faces), '°')];
+    if (mesh.flow) {
+      const angle = this.live.results[mesh.flow]?.angle;
+      return Number.isFinite(angle) ? [fact('normal error', angle, '°')] : [];
+    }
     return (mesh.facts ?? []).flatMap(({name, unit, values}) => {
       const value = values[this.stopOf(values)];
       if (value === null || value === undefined) return [];

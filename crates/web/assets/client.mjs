@@ -48,6 +48,14 @@ export class Client {
     return held;
   }
 
+  /** Gives a mesh that the page has made to the module, and keeps it until `drop`; the answer is its number. */
+  async add(positions, faces) {
+    const held = {positions, faces, fields: new Map()};
+    const {value} = await this.call(...adoption(held));
+    this.#held.set(value.mesh, held);
+    return value.mesh;
+  }
+
   /** The values of a field of a mesh. */
   async field(number, name) {
     const {arrays} = await this.call({verb: 'field', mesh: number, name});
@@ -92,17 +100,21 @@ export class Client {
   }
 
   /** Gives a mesh to a new worker. */
-  #hand(number, {positions, faces, fields}) {
-    const parts = [positions, faces, ...fields.values()];
-    const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.byteLength, 0));
-    let at = 0;
-    for (const part of parts) {
-      bytes.set(new Uint8Array(part.buffer, part.byteOffset, part.byteLength), at);
-      at += part.byteLength;
-    }
-    const names = [...fields.keys()];
-    const counts = {vertices: positions.length / 3, faces: faces.length / 3};
-    const request = {verb: 'adopt', mesh: number, ...counts, fields: names};
-    this.call(request, {bytes}).catch(() => this.#held.delete(number));
+  #hand(number, held) {
+    const [request, options] = adoption(held);
+    this.call({...request, mesh: number}, options).catch(() => this.#held.delete(number));
   }
+}
+
+/** The request that hands a mesh with its fields over, and its bytes. */
+function adoption({positions, faces, fields}) {
+  const parts = [positions, faces, ...fields.values()];
+  const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.byteLength, 0));
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(new Uint8Array(part.buffer, part.byteOffset, part.byteLength), at);
+    at += part.byteLength;
+  }
+  const counts = {vertices: positions.length / 3, faces: faces.length / 3};
+  return [{verb: 'adopt', ...counts, fields: [...fields.keys()]}, {bytes}];
 }

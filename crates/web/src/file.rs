@@ -41,8 +41,9 @@ pub(crate) fn write(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     Ok(Answer::from(Value::Null).with("bytes", Array::Bytes(bytes)))
 }
 
-/// A mesh of an earlier session: the bytes are its positions, faces and scalar fields, in this
-/// order; `mesh`, `vertices`, `faces` and `fields` are their number, counts and names.
+/// A mesh of the page or of an earlier session: the bytes are its positions, faces and scalar
+/// fields, in this order; `vertices`, `faces` and `fields` are counts and names, `mesh` the number
+/// that it had.
 pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let [vertices, faces] = [request.number("vertices")?, request.number("faces")?];
     let [vertices, faces] = [vertices as usize, faces as usize];
@@ -57,6 +58,9 @@ pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     let mut fields = VertexFields::default();
     for (name, values) in names.iter().zip(scalars.chunks_exact((8 * vertices).max(1))) {
         fields = fields.with_scalar(*name, numbers(values));
+    }
+    if !request.has("mesh") {
+        return Ok(meshes.keep(mesh, fields, Value::Null));
     }
     meshes.adopt(request.number("mesh")?, mesh, fields);
     Ok(Value::Null.into())

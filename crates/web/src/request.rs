@@ -27,6 +27,11 @@ impl<'a> Request<'a> {
         self.object[name].as_str().unwrap_or(default)
     }
 
+    /// Returns true if the field is given.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        !self.object[name].is_null()
+    }
+
     /// A flag; false if it is absent.
     pub(crate) fn flag(&self, name: &str) -> bool {
         self.object[name].as_bool().unwrap_or(false)

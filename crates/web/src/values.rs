@@ -86,7 +86,15 @@ pub(crate) fn spectrum(meshes: &mut Meshes, request: &Request<'_>) -> Result<Ans
     let value = json!({ "certified": modes.certified, "split": split });
     Ok(Answer::from(value)
         .with("values", Array::Numbers(modes.values.to_vec()))
-        .with("residuals", Array::Numbers(modes.residuals.to_vec())))
+        .with("residuals", Array::Numbers(modes.residuals.to_vec()))
+        .with("sizes", Array::Numbers(sizes(&held.mesh, &modes)?)))
+}
+
+/// The size of each mode in the positions, the length of its three coefficients.
+fn sizes(mesh: &TriMesh, modes: &Spectrum) -> Result<Vec<f64>> {
+    let coefficients = modes.transform(ndarray::ArrayView2::from(mesh.positions()))?;
+    let squares = Spectrum::energies(coefficients.view());
+    Ok(squares.into_iter().map(f64::sqrt).collect())
 }
 
 /// Mode number `mode` of the last spectrum of `mesh`, its field mode.
@@ -113,7 +121,8 @@ pub(crate) fn modes(held: &mut Held, options: &SpectrumTask) -> Result<Arc<Spect
         return Ok(if enough { modes.clone() } else { Arc::new(modes.truncated(options.k)?) });
     }
     let mesh: Arc<TriMesh> = held.surface()?;
-    let laplacian = Laplacian::new(&mesh, options.operator, MassKind::Barycentric)?;
+    let (stiffness, mass) = options.operator.kinds();
+    let laplacian = Laplacian::new(&mesh, stiffness, mass)?;
     let conditions = match options.boundary {
         BoundaryCondition::Neumann => SpectrumOptions::default(),
         BoundaryCondition::Dirichlet => SpectrumOptions::dirichlet(&mesh),

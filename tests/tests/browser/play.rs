@@ -67,9 +67,9 @@ fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-ellipsoid")?;
     let set = |a: f64, b: f64, c: f64, degrees: f64| {
         format!(
-            "(() => {{
+            "(async () => {{
                const p = fairing.views.get('play-ellipsoid');
-               p.fromText('{a}~{b}~{c}~{degrees}');
+               await p.fromText('{a}~{b}~{c}~{degrees}');
                const {{exact, source}} = p.curvatures({degrees} * Math.PI / 180);
                const d = p.solid.target.getImageData(0, 0, p.solid.canvas.width, p.solid.canvas.height).data;
                let blue = 0;
@@ -100,23 +100,23 @@ fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("ellipsoid")
 }
 
-/// The page multiplies modes, the library takes steps. The mesh attains the bound of closed meshes,
-/// −3/2.
+/// The module takes the steps of the sliders. The mesh attains the bound of closed meshes, −3/2.
 fn diffusion(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-diffusion")?;
     let input = chrome.run(
         "(() => { const p = fairing.views.get('play-diffusion'); return [[...p.positions], [...p.faces]]; })()",
     )?;
     let input = mesh(&input)?;
-    let mu = chrome.number("fairing.views.get('play-diffusion').values[0]")?;
+    let mu = chrome.number("fairing.views.get('play-diffusion').roughest")?;
     let known = -largest_eigenvalue(&input, Diffusion::uniform(1.0))?;
     ensure!((mu + 1.5).abs() < 1e-12 && (known - mu).abs() < 1e-3, "{mu}, {known}");
     for (lambda, count) in [(0.5, 20), (1.45, 12), (2.0, 6)] {
         let found = chrome.run(&format!(
-            "(() => {{
+            "(async () => {{
                const p = fairing.views.get('play-diffusion');
-               p.fromText('{lambda}~{count}');
-               return [[...p.results.explicit], [...p.results.implicit], p.result.textContent];
+               await p.fromText('{lambda}~{count}');
+               const {{explicit, implicit}} = p.now.results;
+               return [[...explicit], [...implicit], p.result.textContent];
              }})()"
         ))?;
         let diffusion = Diffusion::uniform(lambda);
@@ -142,9 +142,9 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-noise")?;
     for (surface, euler) in [("torus", 0.0), ("sphere", 2.0)] {
         let found = chrome.run(&format!(
-            "(() => {{
+            "(async () => {{
                const p = fairing.views.get('play-noise');
-               p.fromText('0.1~8~{surface}~error');
+               await p.fromText('0.1~8~{surface}~error');
                const n = p.now;
                return [[...n.positions], [...p.mesh.faces], [...n.mean], [...n.gaussian], n.total, p.errors(n), p.result.textContent];
              }})()"
@@ -152,7 +152,6 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
         let noisy = mesh(&found)?;
         let mean = mean_curvature(&noisy, LumpedArea::Mixed)?.signed;
         let gaussian = gaussian_curvature(&noisy, LumpedArea::Mixed)?.values;
-        // Angles by atan2 in both, sums in another order.
         for (k, expected) in [(2, mean), (3, gaussian)] {
             let off = gap(&numbers(&found[k]), &expected);
             ensure!(off < 1e-9, "{surface}, field {k}: off by {off:e}");
@@ -178,14 +177,14 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-denoising")?;
     for (sigma, steps, rounds) in [(0.0, 0, 20), (0.2, 8, 20), (0.45, 3, 7)] {
         let found = chrome.run(&format!(
-            "(() => {{
+            "(async () => {{
                const p = fairing.views.get('play-denoising');
                const start = performance.now();
-               p.fromText('{sigma}~{steps}~{rounds}');
+               await p.fromText('{sigma}~{steps}~{rounds}');
                const time = performance.now() - start;
-               const scores = p.found.map((s) => [s.angle, s.volume, s.creases]);
+               const scores = p.now.found.map((s) => [s.angle, s.volume, s.creases]);
                const words = [...p.figure.querySelectorAll('.facts-line')].map((f) => f.textContent);
-               return [[[...p.truth], [...p.faces]], p.now.map((x) => [...x]), scores, words, time];
+               return [[[...p.truth], [...p.faces]], p.now.found.map((x) => [...x.positions]), scores, words, time];
              }})()"
         ))?;
         let truth = mesh(&found[0])?;
@@ -225,7 +224,8 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     }
     // At first the filter keeps creases that diffusion does not.
     chrome.run("fairing.views.get('play-denoising').fromText('0.2~8~20')")?;
-    let kept = chrome.run("fairing.views.get('play-denoising').found.map((s) => s.creases)")?;
+    let kept =
+        chrome.run("fairing.views.get('play-denoising').now.found.map((s) => s.creases)")?;
     let kept = numbers(&kept);
     ensure!(kept[2] > 60.0 && kept[1] < 10.0, "{kept:?}");
     chrome.picture("denoising")
@@ -282,18 +282,21 @@ fn facts(chrome: &mut Chrome, page: &Path) -> Result<()> {
 fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-flow")?;
     let found = chrome.run(
-        "(() => {
+        "(async () => {
            const v = fairing.views.get('q5-flow');
            v.change({stops: [3]});
            const mesh = v.meshes[1];
-           const of = (name) => {
+           const of = async (name) => {
              const field = v.fields.findIndex((f) => f.name === name);
              v.change({field});
+             await v.asked;
              const picture = v.shown[1].target.getImageData(0, 0, v.shown[1].canvas.width, v.shown[1].canvas.height).data;
              const digest = picture.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7);
              return [field, [...v.valuesBy(v.fields[field], mesh)], digest, v.shown[1].bar.textContent];
            };
-           return ['displacement', 'distance off the truth', 'normal error', 'mean curvature'].map(of).concat([[[...v.positions(mesh)], [...mesh.faces]]]);
+           const all = [];
+           for (const name of ['displacement', 'distance off the truth', 'normal error', 'mean curvature']) all.push(await of(name));
+           return [...all, [[...v.positions(mesh)], [...mesh.faces]]];
          })()",
     )?;
     let shown = mesh(&found[4])?;
@@ -415,9 +418,9 @@ fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
     chrome.open(&format!("file://{}", page.display()))?;
     let before = chrome.run(
-        "(() => {
+        "(async () => {
            const p = fairing.views.get('play-diffusion');
-           p.open();
+           await p.open();
            p.lambda.input.scrollIntoView();
            p.lambda.input.focus();
            const seen = [...p.figure.querySelectorAll('canvas')].filter((c) => c.offsetWidth > 0).length;
@@ -429,7 +432,8 @@ fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
         let key = json!({"type": kind, "key": "ArrowLeft", "code": "ArrowLeft", "windowsVirtualKeyCode": 37});
         chrome.call("Input.dispatchKeyEvent", key)?;
     }
-    let after = chrome.run("fairing.views.get('play-diffusion').result.textContent")?;
+    let words = "fairing.views.get('play-diffusion').result.textContent";
+    let after = chrome.until(words, |after| *after != before[2])?;
     ensure!(after != before[2], "the arrow key changes nothing: {after}");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())

@@ -1,4 +1,4 @@
-import {Client} from '../../../web/assets/client.mjs';
+import {clientOfPage} from '../../../web/assets/page.mjs';
 import {Panel} from './panel.mjs';
 import {Viewer} from '../../../figure/viewer/viewer.mjs';
 
@@ -341,10 +341,7 @@ async function start() {
     theme.textContent = dark;
   });
   if (!Renderer) throw new Error('This browser has no WebGL 2, without which nothing can be drawn.');
-  const packed = new Blob([bytesOf(textOf('module'))]).stream().pipeThrough(new DecompressionStream('gzip'));
-  const module = await WebAssembly.compile(await new Response(packed).arrayBuffer());
-  const source = URL.createObjectURL(new Blob([textOf('worker')], {type: 'text/javascript'}));
-  const client = new Client(module, () => new Worker(source));
+  const client = await clientOfPage();
   const {value: tables} = await client.call({verb: 'tables'});
   const maps = Object.entries(JSON.parse(textOf('colour-maps'))).map(([name, text]) => [name, bytesOf(text)]);
   const laboratory = new Laboratory(client, tables, Object.fromEntries(maps));

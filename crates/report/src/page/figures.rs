@@ -93,7 +93,7 @@ fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
 pub(super) fn playground(play: &Playground, label: &str) -> String {
     format!(
         "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
-         It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
+         It is computed in the page.</p></div><figcaption>{label}{}</figcaption></figure>",
         play.id(),
         play.kind,
         escape(&play.alt),

@@ -4,14 +4,12 @@
 //! anywhere.
 
 use anyhow::Result;
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD as BASE64;
 
 use fairing_figure::ColorMap;
 
 use super::bundle::{bundled, compact};
 use super::style::STYLE;
-use super::view;
+use super::{computing, view};
 
 /// The scripts of the report that draw, in the order in which they use one another.
 const DRAWING: [&str; 5] = [
@@ -22,16 +20,12 @@ const DRAWING: [&str; 5] = [
     include_str!("../../../figure/viewer/bar.js"),
 ];
 
-const PAGE: [(&str, &str); 4] = [
-    ("client.mjs", include_str!("../../../web/assets/client.mjs")),
+const PAGE: [(&str, &str); 5] = [
+    computing::CLIENT[0],
+    computing::CLIENT[1],
     ("viewer.mjs", include_str!("../../../figure/viewer/viewer.mjs")),
     ("panel.mjs", include_str!("../../assets/laboratory/panel.mjs")),
     ("lab.mjs", include_str!("../../assets/laboratory/lab.mjs")),
-];
-
-const WORKER: [(&str, &str); 2] = [
-    ("engine.mjs", include_str!("../../../web/assets/engine.mjs")),
-    ("worker.mjs", include_str!("../../../web/assets/worker.mjs")),
 ];
 
 const OWN_STYLE: &str = include_str!("../../assets/laboratory/style.css");
@@ -50,26 +44,25 @@ pub fn laboratory(module: &[u8]) -> Result<String> {
          <meta name=\"color-scheme\" content=\"light dark\">\
          <link rel=\"icon\" href=\"data:,\"><style>{style}</style></head><body>{BODY}\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n\
-         <script id=\"module\" type=\"text/plain\">{module}</script>\n\
-         <script id=\"worker\" type=\"text/plain\">{worker}</script>\n\
+         {module}\
          {drawing}<script type=\"module\">{page}</script></body></html>\n",
         style = compact(&[STYLE, OWN_STYLE].concat()),
         maps = view::color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]),
-        module = BASE64.encode(module),
-        worker = compact(&bundled(&WORKER)?),
+        module = computing::elements(module)?,
         page = compact(&bundled(&PAGE)?),
     ))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::base85;
     use super::*;
 
     /// Scripts of one page share a scope, and the page holds the module and nothing from elsewhere.
     #[test]
     fn the_page_is_complete() {
         let page = laboratory(b"module").unwrap();
-        assert!(page.contains(&BASE64.encode("module")));
+        assert!(page.contains(&base85::encode(b"module")));
         let lines = || page.lines().map(str::trim_start);
         assert!(!lines().any(|line| line.starts_with("import ") || line.starts_with("export ")));
         for outside in ["src=", "https://", "fetch(", "XMLHttpRequest"] {

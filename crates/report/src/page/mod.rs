@@ -4,12 +4,12 @@
 //! interactive views are brought to life by the scripts of `assets/` and of
 //! `crates/figure/viewer`, which stand in the page as they are. Nothing is requested from anywhere.
 //!
-//! The page smooths meshes itself by conjugate gradients in its own script
-//! (`assets/solver.js`), not by our crates as WebAssembly: that would need a
-//! compiler target that a machine with nothing but cargo does not have, for a
-//! solver of a hundred lines that is fast enough as it is.
+//! The module of `crates/web` computes in the page, the one that is committed, so that a machine with
+//! nothing but cargo makes the same report.
 
+mod base85;
 mod bundle;
+mod computing;
 mod figures;
 mod html;
 mod laboratory;
@@ -34,12 +34,12 @@ pub use laboratory::laboratory;
 use style::STYLE;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 22] = [
+const SCRIPTS: [&str; 21] = [
     include_str!("../../../figure/viewer/dom.js"),
     include_str!("../../assets/geometry.js"),
-    include_str!("../../assets/eigen.js"),
+    include_str!("../../assets/surfaces.js"),
+    include_str!("../../assets/computing.js"),
     include_str!("../../assets/data.js"),
-    include_str!("../../assets/solver.js"),
     include_str!("../../../figure/viewer/renderer.js"),
     include_str!("../../../figure/viewer/camera.js"),
     include_str!("../../../figure/viewer/steer.js"),
@@ -52,12 +52,14 @@ const SCRIPTS: [&str; 22] = [
     include_str!("../../assets/ellipsoid.js"),
     include_str!("../../assets/diffusion.js"),
     include_str!("../../assets/noise.js"),
-    include_str!("../../assets/filter.js"),
     include_str!("../../assets/denoising.js"),
     include_str!("../../assets/points.js"),
     include_str!("../../assets/stack.js"),
     include_str!("../../assets/page.js"),
 ];
+
+/// The module for browsers that computes in the page.
+const MODULE: &[u8] = include_bytes!("../../../web/assets/fairing.wasm.gz");
 
 /// A font for formulas: DejaVu Math TeX Gyre, cut down to ASCII, Greek, italics and operators. Its
 /// licence is that of `crates/figure/fonts`, and its extensions are in the public domain.
@@ -84,11 +86,11 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     main += &rules(results);
     main += &sources(results);
     main += &provenance(results);
-    Ok(document(story::TITLE, &contents(results), &main))
+    document(story::TITLE, &contents(results), &main)
 }
 
 /// A whole page around `main`, with styles, scripts and colour maps.
-fn document(title: &str, contents: &str, main: &str) -> String {
+fn document(title: &str, contents: &str, main: &str) -> Result<String> {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
@@ -102,10 +104,12 @@ fn document(title: &str, contents: &str, main: &str) -> String {
         maps = view::color_maps(&ColorMap::ALL),
         font = math_font(),
     );
+    page += &computing::elements(MODULE)?;
+    let _ = writeln!(page, "<script>{}</script>", bundle::bundled(&computing::CLIENT)?);
     for script in SCRIPTS {
         let _ = writeln!(page, "<script>{script}</script>");
     }
-    page + "</body></html>\n"
+    Ok(page + "</body></html>\n")
 }
 
 fn math_font() -> String {

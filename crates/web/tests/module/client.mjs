@@ -60,6 +60,14 @@ await assert.rejects(broken, /the worker failed: a defect/);
 const {arrays} = await client.call({verb: 'mesh', mesh: value.mesh});
 assert.deepEqual(arrays.positions, positions);
 
+// A mesh of the page is kept as those of files are.
+const own = await client.add(positions, arrays.faces);
+const lost = client.call({verb: 'smooth', mesh: own, method: 'conformal', values: {iterations: 1000}});
+client.cancel();
+await assert.rejects(lost, (error) => error.isCancelled);
+assert.deepEqual((await client.call({verb: 'smooth', mesh: own})).arrays.positions, good.value.arrays.positions);
+await client.drop(own);
+
 await client.drop(value.mesh);
 await assert.rejects(client.call({verb: 'info', mesh: value.mesh}), /there is no mesh/);
 alive.terminate();
