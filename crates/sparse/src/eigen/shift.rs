@@ -13,9 +13,9 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 use crate::error::SparseError;
 
-/// Weyl's law in units of a median entry of S and a mean mass: λ_k ≈ 3.2 k / n. With 2√3 cotangents
-/// in a row of a regular mesh it would be 3.63 (λ = 4πk/A, M = A/n; a square grid gives π), but in a
-/// row of a scan they are 1.0 to 1.4 times as many.
+/// Weyl's law in units of a median entry of S and a mean mass: λ_k ≈ 3.2 k / n. With 2√3
+/// cotangents in a row of a regular mesh it would be 3.63 (λ = 4πk/A, M = A/n; a square grid gives
+/// π), but in a row of a scan they are 1.0 to 1.4 times as many.
 const WEYL: f64 = 3.2;
 /// Fraction of the wanted eigenvalues that should lie below σ.
 const BEST_FRACTION: f64 = 0.62;
