@@ -8,6 +8,7 @@
 
 pub mod mathml;
 
+mod bibliography;
 mod layout;
 mod markdown;
 mod notation;

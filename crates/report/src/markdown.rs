@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{notation, numbers, snippets, story, thumbnail};
+use crate::{bibliography, notation, numbers, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -44,6 +44,24 @@ pub(crate) fn report(results: &Results) -> String {
             let _ = writeln!(text, "{}. {} (claim {})", k + 1, rule.text, rule.claim);
         }
     }
+    text + &sources(results)
+}
+
+/// The bibliography, with links.
+fn sources(results: &Results) -> String {
+    let all = bibliography::of(results);
+    let mut text = String::new();
+    if !all.is_empty() {
+        text += "\n## Sources\n\n";
+    }
+    for (entry, sections) in all {
+        let title = match entry.url.is_empty() {
+            true => entry.title,
+            false => format!("[{}]({})", entry.title, entry.url),
+        };
+        let (authors, place, sections) = (entry.authors, entry.place, sections.join(", "));
+        let _ = writeln!(text, "- {authors}: {title}. {place} ({sections})");
+    }
     text
 }
 
@@ -63,6 +81,11 @@ fn section(record: &Record, first: usize, form: Form) -> String {
     }
     if let Some(reference) = notation::reference(record) {
         let _ = write!(text, "\n{reference}\n");
+    }
+    let sources = record.section.sources.iter().filter_map(|key| bibliography::entry(key));
+    let sources: Vec<String> = sources.map(|entry| entry.short).collect();
+    if !sources.is_empty() {
+        let _ = write!(text, "\nSources: {}.\n", sources.join("; "));
     }
     if let Some(lines) = snippets::for_section(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");

@@ -28,9 +28,9 @@ pub(crate) fn first_playground() -> section::Playground {
 }
 
 /// The subject of the report, before its findings.
-const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
-    meshes, done again. One command runs, draws and measures the experiments, and each claim is tested by numbers; \
-    only the tables of the benchmark of denoisers are stored results.";
+const ABOUT: &str = "We repeated every experiment of a coursework report on discrete curvature, spectra and \
+    smoothing of triangle meshes, and tested its conclusions. One command runs, draws and measures them; only the \
+    tables of the benchmark of denoisers are stored results.";
 
 /// The subject of the report, and whether generated meshes take the place of the assignment's.
 pub(crate) fn about(results: &Results) -> String {
@@ -59,8 +59,8 @@ pub(crate) const ACTS: [Act; 3] = [
         act: section::Act::Curvature,
         id: "act-curvature",
         title: "I. Measuring curvature",
-        about: "A mesh has corners where the surface has curvature. This part asks which sums over corners converge to \
-            the curvature of the surface, and what noise does to them.",
+        about: "Surfaces bend; meshes only have corners. This part asks which vertex formulas converge to the \
+            curvature of the surface, and what noise does to them.",
     },
     Act {
         act: section::Act::Spectrum,
@@ -80,27 +80,29 @@ pub(crate) const ACTS: [Act; 3] = [
 
 /// The number of claims of the original report that hold, in a sentence; empty without claims.
 pub(crate) fn tally(results: &Results) -> String {
-    let counts: Vec<(usize, &str)> = GROUPS
-        .iter()
-        .map(|(verdict, words)| (results.judged(*verdict).len(), *words))
-        .filter(|(count, _)| *count > 0)
-        .collect();
+    let order = [Verdict::Refuted, Verdict::Qualified, Verdict::Confirmed, Verdict::Undecided];
+    let counts = order.map(|verdict| (results.judged(verdict).len(), verdict));
     let total: usize = counts.iter().map(|(count, _)| count).sum();
-    let counts: Vec<String> = counts
-        .iter()
-        .map(|(count, words)| {
-            let verb = if *count == 1 { "is" } else { "are" };
-            format!("{count} {verb} {}", words.to_lowercase())
-        })
-        .collect();
-    match (total, counts.split_last()) {
+    let mut counts = counts.iter().filter(|(count, _)| *count > 0);
+    match (total, counts.next()) {
         (_, None) => String::new(),
-        (1, Some((only, _))) => format!("Of its claims {only}."),
-        (_, Some((only, []))) => format!("Of its {total} claims {only}."),
-        (_, Some((last, others))) => {
-            format!("Of its {total} claims {} and {last}.", others.join(", "))
+        (1, Some((_, verdict))) => format!("Its one claim is {verdict}."),
+        (_, Some((count, verdict))) => {
+            let verb = if *count == 1 { "is" } else { "are" };
+            let others = counts.map(|(count, verdict)| format!(", {} {verdict}", in_words(*count)));
+            let (total, count) = (in_words(total), in_words(*count));
+            format!("Of its {total} claims {count} {verb} {verdict}{}.", others.collect::<String>())
         }
     }
+}
+
+/// A count as a word, up to twelve.
+fn in_words(count: usize) -> String {
+    const WORDS: [&str; 13] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+        "eleven", "twelve",
+    ];
+    WORDS.get(count).map_or_else(|| count.to_string(), ToString::to_string)
 }
 
 /// The lessons for a student: the first sentence of each rule, as one line; empty without rules.
@@ -150,29 +152,29 @@ impl Rule {
 
 /// Verdicts, each with the sentence for its claims.
 pub(crate) const GROUPS: [(Verdict, &str); 4] = [
-    (Verdict::Confirmed, "Confirmed"),
-    (Verdict::Qualified, "True in part"),
-    (Verdict::Refuted, "Refuted"),
+    (Verdict::Confirmed, "Right"),
+    (Verdict::Qualified, "Half right"),
+    (Verdict::Refuted, "Wrong"),
     (Verdict::Undecided, "Undecided"),
 ];
 
 /// Advice to the student.
 const RULES: [Rule; 6] = [
     Rule {
-        text: "Divide by an area, and say which one. Half the length of the uniform Laplacian is a length, not a \
-            curvature; cotangents over an area per vertex are the better estimate.",
+        text: "Say which area you divide by. Half the length of the uniform Laplacian is a length, not a curvature; \
+            cotangents over mixed areas are the better estimate.",
         claim: "3a",
         follows: &[Verdict::Qualified, Verdict::Confirmed],
     },
     Rule {
-        text: "Trust sums of curvature under noise, not its values. The total of the angle defects never changes; \
-            Gaussian curvature at a vertex suffers more than mean curvature.",
+        text: "Under noise, trust total curvature, not single vertices. The total of the angle defects never changes; \
+            at a vertex noise disturbs mean and Gaussian curvature alike.",
         claim: "1a",
         follows: &[Verdict::Refuted, Verdict::Qualified],
     },
     Rule {
-        text: "Check a formula at the point where it is used. Coefficients from two different points make no \
-            curvature, and central differences show it in a minute.",
+        text: "Check a formula at the point where it is used. Coefficients from different points do not combine \
+            into a curvature, and central differences show it in a minute.",
         claim: "2a",
         follows: &[Verdict::Refuted],
     },
@@ -189,8 +191,8 @@ const RULES: [Rule; 6] = [
         follows: &[Verdict::Refuted, Verdict::Qualified],
     },
     Rule {
-        text: "Measure noise in edge lengths. Whether a level of noise destroys a shape depends on the size of its \
-            triangles and of its features, not on model units.",
+        text: "Measure noise and features in edge lengths. Whether a level of noise destroys a shape depends on the \
+            size of its triangles and of its features, not on model units.",
         claim: "7a",
         follows: &[Verdict::Qualified, Verdict::Refuted],
     },
@@ -224,15 +226,15 @@ mod tests {
         let none = results(&[]);
         assert_eq!((tally(&none), lessons(&none)), (String::new(), String::new()));
         let one = results(&[("4a", Verdict::Confirmed)]);
-        assert_eq!(tally(&one), "Of its claims 1 is confirmed.");
+        assert_eq!(tally(&one), "Its one claim is right.");
         let some =
             [("2a", Verdict::Refuted), ("5a", Verdict::Qualified), ("7a", Verdict::Qualified)];
         let some = results(&some);
-        assert_eq!(tally(&some), "Of its 3 claims 2 are true in part and 1 is refuted.");
+        assert_eq!(tally(&some), "Of its three claims one is wrong, two half right.");
         assert_eq!(
             lessons(&some),
             "Check a formula at the point where it is used; keep λ below 2/|μ| of the roughest mode; \
-             measure noise in edge lengths"
+             measure noise and features in edge lengths"
         );
     }
 }

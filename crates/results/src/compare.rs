@@ -267,7 +267,7 @@ mod tests {
     fn another_verdict_is_a_difference() {
         let old = results(0.5, 1.0, Verdict::Refuted);
         let found = differences(&old, &results(0.5, 1.0, Verdict::Confirmed), false);
-        assert_eq!(found[0].to_string(), "claim 1a: refuted before, confirmed now");
+        assert_eq!(found[0].to_string(), "claim 1a: wrong before, right now");
     }
 
     #[test]

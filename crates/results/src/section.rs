@@ -42,6 +42,9 @@ pub struct Section {
     /// Short names of the folded views, figures and tables, by id.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub names: Vec<(String, String)>,
+    /// Its sources, by their keys in the bibliography.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<String>,
     /// The playground of the section, which is always seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub playground: Option<Playground>,
@@ -97,6 +100,12 @@ impl Section {
     pub fn names(self, names: &[(&str, &str)]) -> Self {
         let names = names.iter().map(|&(id, name)| (id.into(), name.into())).collect();
         Self { names, ..self }
+    }
+
+    /// The section with these sources, by their keys in the bibliography.
+    #[must_use]
+    pub fn sources(self, keys: &[&str]) -> Self {
+        Self { sources: owned(keys), ..self }
     }
 
     /// The section with a playground.

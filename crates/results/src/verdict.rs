@@ -24,11 +24,23 @@ pub enum Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Confirmed => "right",
+            Self::Refuted => "wrong",
+            Self::Qualified => "half right",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
+impl Verdict {
+    /// Its name in `results.json` and in style sheets.
+    pub fn key(self) -> &'static str {
+        match self {
             Self::Confirmed => "confirmed",
             Self::Refuted => "refuted",
             Self::Qualified => "qualified",
             Self::Undecided => "undecided",
-        })
+        }
     }
 }
 

@@ -60,6 +60,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
             "fairing-smoothing",
             "fairing-denoising",
             "fairing-evaluation",
+            "fairing-figure",
         ],
     ),
     (

@@ -11,8 +11,8 @@ use fairing_sparse::{
 use super::stopwatch::Stopwatch;
 use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
-/// `(Wᵏ + M) u = M x` with Wᵏ = S (M⁻¹S)ᵏ⁻¹, mixed areas in M, and the positions x in three columns:
-/// assembly, factorisation, a solution, and its refinement.
+/// `(Wᵏ + M) u = M x` with Wᵏ = S (M⁻¹S)ᵏ⁻¹, mixed areas in M, and the positions x in three
+/// columns: assembly, factorisation, a solution, and its refinement.
 pub(super) struct Harmonic;
 
 /// The largest order: matrices of the fourth have 60 entries in a row.
@@ -179,7 +179,7 @@ fn extent(mesh: &TriMesh) -> f64 {
 mod tests {
     use super::*;
 
-    /// Refinement brings the residual of the triharmonic system below what its first solution leaves.
+    /// Refinement lowers the residuals of all orders.
     #[test]
     fn refinement_lowers_the_residual() {
         let mesh = fairing_shapes::icosphere(5);
@@ -189,7 +189,7 @@ mod tests {
             let solved = work.result.unwrap();
             assert!(solved.refined < 1e-3 * solved.first, "{} {}", solved.refined, solved.first);
             assert!(solved.change < 1e-4);
-            // Each coordinate of a sphere is an eigenvector of W with w near 2, so u = x / (1 + 2ᵏ).
+            // The coordinates of a sphere are eigenvectors with w near 2: u = x / (1 + 2ᵏ).
             let expected = mesh.vertex_count() as f64 / (1.0 + 2f64.powi(order as i32)).powi(2);
             assert!((solved.sum_squares / expected - 1.0).abs() < 0.01, "order {order}");
         }

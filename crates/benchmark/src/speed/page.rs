@@ -1,5 +1,5 @@
-//! The page about speed, `docs/speed.md`: a comparison with other libraries, measured elsewhere, and
-//! times over the number of vertices, measured here.
+//! The page about speed, `docs/speed.md`: a comparison with other libraries, measured elsewhere,
+//! and times over the number of vertices, measured here.
 
 use std::fmt::Write as _;
 use std::fs;

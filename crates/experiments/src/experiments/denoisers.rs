@@ -66,6 +66,7 @@ fn section() -> Section {
     )
     .commands(&["fairing denoise noisy.ply -o restored.ply  # no parameters", "fairing denoise noisy.ply -o guided.ply --method guided-normal", "fairing compare restored.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
+    .sources(&["fleishman2003", "jones2003", "sun2007", "zheng2011", "he2013", "zhang2015", "zhang2015variational", "liu2021", "wang2016"])
     .shows(&["averages"], &[])
     .names(&[("bolt-view", "the bolt, to turn"), ("ratios", "all cases of the benchmark"), ("bolt", "the bolt after every denoiser"), ("vase", "the vase after every denoiser"), ("fluted", "the fluted column after every denoiser"), ("worst-development", "the worst case of the development set"), ("worst-unseen", "the worst case of the unseen set"), ("worst-fresh", "the worst case of the fresh set"), ("best", "the best published denoiser on each mesh"), ("scores", "each denoiser on each mesh"), ("families", "the families of the benchmark"), ("sets", "the sets of families"), ("lost", "the five worst cases of each set")])
     .playground(

@@ -39,6 +39,7 @@ fn section() -> Section {
     )
     .commands(&["fairing curvature --list  # all of them, with their parameters", "fairing curvature mesh.ply -o curved.ply --estimator jet3"])
     .edge_lengths_of("each mesh")
+    .sources(&["cazals2005", "cohensteiner2003", "lachaud2020", "rusinkiewicz2004", "panozzo2010", "sullivan2008"])
     .notation(&["h", "\\varepsilon"])
     .shows(&["torus-view", "largest-mean"], &[])
     .names(&[("largest-gaussian", "the largest error of K"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])

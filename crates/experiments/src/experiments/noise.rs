@@ -36,6 +36,7 @@ fn section() -> Section {
     )
     .commands(&["fairing noise mesh.ply -o noisy.ply --sigma 0.1 --kind axes --seed 2021  # σ in mean edge lengths", "fairing curvature noisy.ply -o curved.ply --estimator cotangent --area mixed"])
     .edge_lengths_of("the mesh without noise")
+    .sources(&["meyer2003", "sullivan2008"])
     .shows(&["changes"], &[])
     .names(&[("changes", "changes of H and K under noise"), ("totals", "the sum of all angle defects")])
     .playground(

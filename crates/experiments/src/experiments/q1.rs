@@ -60,6 +60,7 @@ fn section() -> Section {
     )
     .commands(&["fairing smooth mesh.ply -o moved.ply --method explicit --lambda 1 --iterations 1  # each vertex moves by Δx", "fairing curvature mesh.ply -o curved.ply --estimator cotangent --area barycentric  # angle defect over area", "fairing render curved.ply -o gaussian.png --field gaussian --map coolwarm"])
     .edge_lengths_of("each mesh")
+    .sources(&["taubin1995", "meyer2003", "sullivan2008"])
     .notation(&["x", "X", "i", "j", "D", "T", "A", "\\alpha", "\\beta", "H", "K"])
     .shows(&["flower-view", "convergence"], &[])
     .names(&[("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence")])

@@ -44,6 +44,7 @@ fn section() -> Section {
     )
     .commands(&["fairing curvature ellipsoid.ply -o curved.ply --estimator jet3  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
     .edge_lengths_of("each mesh")
+    .sources(&["docarmo1976", "goldman2005"])
     .notation(&["d", "\\kappa", "n", "a", "b", "c", "u", "v", "E", "F", "G", "e", "f", "g", "\\theta"])
     .shows(&[], &["forms"])
     .names(&[("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])

@@ -67,6 +67,7 @@ fn section() -> Section {
     )
     .commands(&["fairing curvature mesh.ply -o curved.ply --estimator cotangent --area mixed", "fairing render curved.ply -o mean.png --field mean --map coolwarm"])
     .edge_lengths_of("each mesh")
+    .sources(&["pinkall1993", "meyer2003", "desbrun1999"])
     .notation(&["x", "X", "i", "j", "A", "\\alpha", "\\beta", "H", "K", "n", "\\Delta", "M", "S"])
     .shows(&["torus-view", "convergence"], &[])
     .names(&[("flower-view", "the flower"), ("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence"), ("planes", "what is left on planes")])

@@ -42,6 +42,7 @@ fn section() -> Section {
     )
     .commands(&["fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.05 --iterations 50", "fairing compare smooth.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
+    .sources(&["taubin1995", "desbrun1999"])
     .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
     .shows(&["sweep"], &[])
     .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part"), ("cube-view", "the cube"), ("flows", "scores of the four steps"), ("sweep", "errors over λ"), ("best", "the best λ over noise and resolution"), ("spectra", "the smallest eigenvalues and the stable limit")])

@@ -60,6 +60,7 @@ fn section() -> Section {
     )
     .commands(&["fairing smooth noisy.ply -o smooth.ply --method implicit --lambda 5 --iterations 10", "fairing compare smooth.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
+    .sources(&["desbrun1999"])
     .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
     .shows(&["machine-part-view", "sweep"], &[])
     .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])

@@ -49,6 +49,7 @@ fn section() -> Section {
     )
     .commands(&["fairing noise truth.ply -o noisy.ply --sigma 0.3 --kind axes", "fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.5 --iterations 10", "fairing compare smooth.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
+    .sources(&["desbrun1999", "taubin1995", "zheng2011", "zhang2015"])
     .notation(&["T", "n", "E_a", "E_v"])
     .shows(&["levels-view", "normals"], &[])
     .names(&[("scan-view", "the creature"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one part with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])

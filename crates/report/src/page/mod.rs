@@ -25,7 +25,7 @@ use anyhow::Result;
 use base64::Engine as _;
 use rayon::prelude::*;
 
-use crate::{markdown, notation, numbers, story, thumbnail};
+use crate::{bibliography, markdown, notation, numbers, story, thumbnail};
 use fairing_figure::ColorMap;
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
@@ -82,6 +82,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
         numbered.iter().map(|(record, _)| record.id.as_str()).zip(bodies).collect();
     main += &acts(results, &sections);
     main += &rules(results);
+    main += &sources(results);
     main += &provenance(results);
     Ok(document(story::TITLE, &contents(results), &main))
 }
@@ -137,6 +138,9 @@ fn contents(results: &Results) -> String {
     if !story::rules(results).is_empty() {
         list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
     }
+    if !bibliography::of(results).is_empty() {
+        list += "<li><a href=\"#sources\">Sources</a></li>";
+    }
     format!(
         "<nav aria-label=\"contents\"><details open><summary>Contents</summary><ol>{list}\
          <li><a href=\"#provenance\">Where the numbers come from</a></li></ol></details></nav>"
@@ -172,7 +176,8 @@ fn opening(results: &Results) -> String {
             let judged = results.judged(*verdict);
             let claims: Vec<String> = judged.iter().map(claim).collect();
             let line = format!(
-                "<li><span class=\"verdict {verdict}\">{words}:</span> {}.</li>",
+                "<li><span class=\"verdict {}\">{words}:</span> {}.</li>",
+                verdict.key(),
                 claims.join("; ")
             );
             (!claims.is_empty()).then_some(line)
@@ -250,6 +255,32 @@ fn rules(results: &Results) -> String {
     format!(
         "<section id=\"rules\"><h2>What we would tell the student</h2><ol class=\"rules\">{items}</ol></section>"
     )
+}
+
+/// The bibliography, with links.
+fn sources(results: &Results) -> String {
+    let items: String = bibliography::of(results)
+        .iter()
+        .map(|(entry, sections)| {
+            let links: Vec<String> =
+                sections.iter().map(|id| format!("<a href=\"#{0}\">{0}</a>", escape(id))).collect();
+            let title = match entry.url.is_empty() {
+                true => escape(&entry.title),
+                false => format!("<a href=\"{}\">{}</a>", escape(&entry.url), escape(&entry.title)),
+            };
+            format!(
+                "<li id=\"source-{}\">{}: {title}. {} ({})</li>",
+                escape(&entry.key),
+                escape(&entry.authors),
+                escape(&entry.place),
+                links.join(", ")
+            )
+        })
+        .collect();
+    match items.is_empty() {
+        true => items,
+        false => format!("<section id=\"sources\"><h2>Sources</h2><ul>{items}</ul></section>"),
+    }
 }
 
 /// A small picture of each mesh, with its name and where it is used.

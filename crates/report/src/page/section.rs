@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::html::{escape, with_code};
 use super::{figures, tables};
-use crate::{mathml, notation, numbers, snippets};
+use crate::{bibliography, mathml, notation, numbers, snippets};
 use fairing_results::results::Record;
 use fairing_results::verdict::{Deciding, Judgement, Shown, Verdict};
 
@@ -71,6 +71,7 @@ fn method(record: &Record) -> Result<String> {
     if let Some(reference) = notation::reference(record) {
         let _ = write!(text, "<p class=\"soft\">{}</p>", escape(&reference));
     }
+    text += &sources(record);
     let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
     let (rows, files) = (parameters(record), files(record));
     text += "<div class=\"folds\">";
@@ -89,6 +90,18 @@ fn method(record: &Record) -> Result<String> {
     Ok(text + "</div>")
 }
 
+/// Links to the sources.
+fn sources(record: &Record) -> String {
+    let entries = record.section.sources.iter().filter_map(|key| bibliography::entry(key));
+    let links: Vec<String> = entries
+        .map(|e| format!("<a href=\"#source-{}\">{}</a>", escape(&e.key), escape(&e.short)))
+        .collect();
+    match links.is_empty() {
+        true => String::new(),
+        false => format!("<p class=\"soft\">Sources: {}.</p>", links.join("; ")),
+    }
+}
+
 /// The Rust code and the commands that reproduce the section.
 fn same(record: &Record) -> String {
     let code = |text: &str| format!("<pre><code>{}</code></pre>", escape(text));
@@ -105,7 +118,7 @@ fn same(record: &Record) -> String {
 
 /// A verdict as a coloured word.
 pub(super) fn verdict(verdict: Verdict) -> String {
-    format!("<span class=\"verdict {verdict}\">{verdict}</span>")
+    format!("<span class=\"verdict {}\">{verdict}</span>", verdict.key())
 }
 
 /// A link to the view or playground of the page in the state that decided a claim, or to the
@@ -135,7 +148,7 @@ fn judgement(all: &[Record], claim: &Judgement) -> String {
         "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}{5}</p>",
         escape(&claim.id),
         escape(&claim.claim),
-        claim.verdict,
+        claim.verdict.key(),
         verdict(claim.verdict),
         escape(said),
         link(all, claim)

@@ -14,6 +14,7 @@ pub(super) fn section() -> Section {
         "fairing reconstruct mesh.ply -k 15 -o rebuilt.ply",
     ])
     .edge_lengths_of("each mesh")
+    .sources(&["vallet2008", "karni2000", "reuter2006"])
     .notation(&["x", "X", "i", "j", "S", "M", "\\varphi", "\\omega", "\\delta", "k"])
     .shows(&["modes-view", "decay"], &[])
     .names(&[
