@@ -193,7 +193,6 @@ impl Mesh {
         as_dict(py, &d)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn write(
         &self,
         py: Python<'_>,
@@ -212,7 +211,6 @@ impl Mesh {
         })
     }
 
-    #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn to_bytes<'py>(
         &self,
         py: Python<'py>,

@@ -220,9 +220,9 @@ impl Repaired {
         sources.into_iter().map(Option::unwrap_or_default).collect()
     }
 
-    /// For each corner of each face in turn the corner of `input`, the mesh that was repaired, whose
-    /// properties it takes: three times its face plus its place in it. In the patch of a hole, a
-    /// face nearby; in a flipped face without the vertex, the corner of the same place.
+    /// For each corner of each face in turn the corner of `input`, the mesh that was repaired,
+    /// whose properties it takes: three times its face plus its place in it. The patch of a hole
+    /// takes those of a face nearby, a flipped face without the vertex the corner at its place.
     pub fn nearest_corners(&self, input: &TriMesh) -> Vec<usize> {
         let vertices = self.nearest_sources();
         let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
