@@ -1,9 +1,7 @@
 //! Verbs that describe: `info` and `compare`.
 
 use anyhow::Result;
-use fairing_evaluation::{
-    ScoreOptions, Scores, drift, feature_edges, normal_error,
-};
+use fairing_evaluation::{ScoreOptions, Scores, drift, feature_edges, normal_error};
 use fairing_mesh::{Diagnosis, TriMesh};
 use fairing_operators::curvature::angle_defect;
 use fairing_parameters::Options as _;

@@ -224,8 +224,7 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     }
     // At first the filter keeps creases that diffusion does not.
     chrome.run("fairing.views.get('play-denoising').fromText('0.2~8~20')")?;
-    let kept =
-        chrome.run("fairing.views.get('play-denoising').now.found.map((s) => s.creases)")?;
+    let kept = chrome.run("fairing.views.get('play-denoising').now.found.map((s) => s.creases)")?;
     let kept = numbers(&kept);
     ensure!(kept[2] > 60.0 && kept[1] < 10.0, "{kept:?}");
     chrome.picture("denoising")

@@ -1,5 +1,6 @@
 import {clientOfPage} from '../../../web/assets/page.mjs';
 import {Panel} from './panel.mjs';
+import {link, linked, python, rust, shell, stem} from './programs.mjs';
 import {Viewer} from '../../../figure/viewer/viewer.mjs';
 
 /** Requests of tasks that only add fields to a mesh; all others make a new one. */
@@ -25,6 +26,7 @@ class Laboratory {
     this.client = client;
     this.tables = tables;
     this.steps = [];
+    this.undone = [];
     this.panels = {};
     this.task = 'curvature';
     this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
@@ -36,7 +38,7 @@ class Laboratory {
     const {part, tables} = this;
     for (const {name, about} of tables.samples) {
       const button = element('button', {type: 'button', title: about}, name);
-      button.addEventListener('click', () => this.open({verb: 'sample', name}, name));
+      button.addEventListener('click', () => this.sample(name));
       part.samples.append(button, ' ');
     }
     part.file.addEventListener('change', () => this.read(part.file.files[0]));
@@ -44,6 +46,18 @@ class Laboratory {
     document.addEventListener('drop', (e) => {
       e.preventDefault();
       this.read(e.dataTransfer.files[0]);
+    });
+    document.addEventListener('paste', (e) => {
+      if (e.target.closest?.('input')) return;
+      const [file] = e.clipboardData.files;
+      if (file) this.read(file);
+      else this.fetched(e.clipboardData.getData('text/plain').trim());
+    });
+    document.addEventListener('keydown', (e) => {
+      if (!(e.ctrlKey || e.metaKey) || e.key.toLowerCase() !== 'z' || e.target.closest?.('input')) return;
+      e.preventDefault();
+      if (e.shiftKey) this.redo();
+      else this.undo();
     });
     for (const [task, title] of Object.entries(TITLES)) {
       this.panels[task] = new Panel(tables.tasks[task], () => this.again());
@@ -57,7 +71,8 @@ class Laboratory {
     part.cancel.addEventListener('click', () => this.client.cancel());
     part.undo.addEventListener('click', () => this.undo());
     part.download.addEventListener('click', () => this.download());
-    part.copy.addEventListener('click', () => navigator.clipboard.writeText(this.script()));
+    part.redo.addEventListener('click', () => this.redo());
+    part.copy.addEventListener('click', () => this.copy());
     part.field.addEventListener('input', () => this.viewer.change({field: part.field.value || null}));
     for (const key of ['lines', 'wire', 'flat']) {
       part[key].addEventListener('input', () => this.viewer.change({[key]: part[key].checked}));
@@ -118,14 +133,43 @@ class Laboratory {
     await this.open({verb: 'read', name: file.name}, file.name, bytes);
   }
 
+  sample(name) {
+    return this.open({verb: 'sample', name}, name);
+  }
+
+  /** Opens a mesh at an address on the server of the page. */
+  async fetched(text) {
+    try {
+      const url = new URL(text, location.href);
+      if (url.protocol === 'file:' || url.origin !== location.origin) {
+        throw new Error(`${text} is not on the server of this page, and the page requests nothing from elsewhere`);
+      }
+      const response = await fetch(url);
+      if (!response.ok) throw new Error(`${url.pathname}: ${response.status} ${response.statusText}`);
+      await this.read(new File([await response.blob()], url.pathname.split('/').at(-1)));
+    } catch (error) {
+      this.say(`This address cannot be opened: ${error.message}.`, 'error');
+    }
+  }
+
+  /** Opens the sample of an address and takes its steps. */
+  async follow({sample, steps}) {
+    await this.sample(sample);
+    for (const step of steps) {
+      if (this.took === Infinity) return;
+      await this.guarded(() => this.take(step));
+    }
+  }
+
   open(request, name, bytes) {
     return this.guarded(async () => {
       const {value} = await this.call(request, bytes);
       const old = this.steps;
       this.steps = [];
       for (const {mesh} of old) await this.client.drop(mesh);
+      this.undone = [];
       await this.push(value, name, request);
-      this.name = name;
+      this.name = request.verb === 'sample' ? `${name}.ply` : name;
       this.viewer.state.vertex = -1;
       const {unwelded, report} = value;
       if (unwelded) this.say('The faces do not share their corners, as in STL files: run Repair first.');
@@ -151,8 +195,18 @@ class Laboratory {
 
   undo() {
     if (this.steps.length > 1) this.guarded(async () => {
+      this.undone.push(this.last.request);
       await this.pop();
       this.show();
+      await this.describe(this.last.mesh);
+    });
+  }
+
+  /** Takes the step again that was undone last. */
+  redo() {
+    if (this.undone.length) this.guarded(async () => {
+      await this.take(this.undone.at(-1));
+      this.undone.pop();
     });
   }
 
@@ -211,13 +265,19 @@ class Laboratory {
       if (FIELDS[task]) return this.addFields(request);
       const replaces = !add && this.steps.length > 1 && this.last.request.verb === task;
       const base = replaces ? this.steps.at(-2) : this.last;
-      const {value} = await this.call({...request, mesh: base.mesh});
-      if (replaces) await this.pop();
-      const shown = Object.entries(request.values).map(([name, x]) => `${name} ${x}`).join(', ');
-      await this.push(value, [request.method, shown].filter(Boolean).join(', '), request);
-      await this.describe(value.mesh);
-      this.say(reported(value.report));
+      await this.take(request, base);
+      this.undone = [];
     });
+  }
+
+  /** Adds the result of a request on a mesh to the steps, in place of those after the mesh. */
+  async take(request, base = this.last) {
+    const {value} = await this.call({...request, mesh: base.mesh});
+    while (this.last !== base) await this.pop();
+    const shown = Object.entries(request.values).map(([name, x]) => `${name} ${x}`).join(', ');
+    await this.push(value, [request.method, shown].filter(Boolean).join(', '), request);
+    await this.describe(value.mesh);
+    this.say(reported(value.report));
   }
 
   async addFields(request) {
@@ -277,33 +337,34 @@ class Laboratory {
 
   // What is kept.
 
-  /** The steps as commands of the program. */
-  script() {
-    const word = (text) => (/^[\w./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
-    const stem = (this.name ?? 'mesh').replace(/\.\w+(\.gz)?$/, '');
-    let input = this.name ?? 'mesh.ply';
-    const lines = this.steps.slice(1).map(({request}, i) => {
-      const output = `${stem}-${i + 1}.ply`;
-      const {verb, method, values} = request;
-      const named = {smooth: '--method', denoise: '--method', noise: '--kind'}[verb];
-      const options = Object.entries(values).map(([name, x]) => (name === 'k' ? `-k ${x}` : `--${name} ${word(x)}`));
-      if (verb === 'noise' && !values.sigma) options.unshift('--sigma 0.3');
-      if (verb === 'reconstruct' && !values.k) options.unshift('-k 50');
-      const line = ['fairing', verb, word(input), '-o', word(output), ...(named ? [named, method] : []), ...options];
-      input = output;
-      return line.join(' ');
-    });
-    return `${lines.join('\n')}\n`;
+  /** The steps in a language, or as a link. */
+  written(language) {
+    const [{request: first}, ...rest] = this.steps;
+    const steps = rest.map(({request}) => request);
+    if (language === 'link') return `${location.href.split('#')[0]}#${link(first.name, steps)}`;
+    const program = {shell, rust, python}[language](this.name, steps);
+    const note = `${this.name} is the sample ${first.name}, which the laboratory offers as a download.`;
+    return first.verb === 'sample' ? `${language === 'rust' ? '//' : '#'} ${note}\n${program}` : program;
+  }
+
+  async copy() {
+    try {
+      await navigator.clipboard.writeText(this.written(this.part.language.value));
+      this.say('Copied.');
+    } catch (error) {
+      this.say(`The browser does not let the page copy: ${error.message}.`, 'error');
+    }
   }
 
   download() {
     return this.guarded(async () => {
       const extension = this.part.format.value;
       const {arrays} = await this.call({verb: 'write', mesh: this.last.mesh, format: extension});
-      const link = element('a', {download: `${(this.name ?? 'mesh').replace(/\.\w+(\.gz)?$/, '')}-fairing.${extension}`});
-      link.href = URL.createObjectURL(new Blob([arrays.bytes]));
-      link.click();
-      URL.revokeObjectURL(link.href);
+      const result = this.steps.length > 1 ? '-fairing' : '';
+      const anchor = element('a', {download: `${stem(this.name)}${result}.${extension}`});
+      anchor.href = URL.createObjectURL(new Blob([arrays.bytes]));
+      anchor.click();
+      URL.revokeObjectURL(anchor.href);
     });
   }
 
@@ -314,6 +375,9 @@ class Laboratory {
     part.cancel.hidden = !this.busy;
     for (const name of ['run', 'add', 'undo', 'download']) part[name].disabled = this.busy === true || none;
     part.undo.disabled ||= steps.length < 2;
+    part.redo.disabled = this.busy === true || !this.undone.length;
+    part.copy.disabled = steps.length < 2;
+    part.language.querySelector('[value=link]').disabled = steps[0]?.request.verb !== 'sample';
     part.add.hidden = Boolean(FIELDS[this.task]) || this.task === 'compare' || steps.length < 2;
     part.modes.hidden = this.task !== 'spectrum' || !this.last?.values;
     part.steps.replaceChildren(...steps.map(({title, request}) => element('li', {}, `${TITLES[request.verb] ?? 'Opened'}: ${title}`)));
@@ -347,6 +411,9 @@ async function start() {
   const laboratory = new Laboratory(client, tables, Object.fromEntries(maps));
   document.querySelector('[data-part="loading"]').remove();
   window.laboratory = laboratory;
+  const given = linked(location.hash.slice(1));
+  if (given) await laboratory.follow(given);
+  root.dataset.ready = '1';
 }
 
 start().catch((error) => {
