@@ -352,7 +352,7 @@ class Laboratory {
       await navigator.clipboard.writeText(this.written(this.part.language.value));
       this.say('Copied.');
     } catch (error) {
-      this.say(`The browser does not let the page copy: ${error.message}.`, 'error');
+      this.say(`The browser does not let the page copy: ${error.message}`, 'error');
     }
   }
 

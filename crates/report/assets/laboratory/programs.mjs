@@ -58,8 +58,13 @@ export function rust(input, steps) {
       return [
         options,
         'let repaired = fairing::mesh::repair(&mesh, &options)?;',
-        'let patch = fairing::smoothing::FairRegion::new(repaired.patch_vertices());',
-        'let mesh = fairing::smoothing::fair_region(&repaired.mesh, &patch)?.mesh;',
+        'let mesh = match repaired.patch_vertices() {',
+        '    patch if patch.is_empty() => repaired.mesh,',
+        '    patch => {',
+        '        let region = fairing::smoothing::FairRegion::new(patch);',
+        '        fairing::smoothing::fair_region(&repaired.mesh, &region)?.mesh',
+        '    }',
+        '};',
       ];
     },
   };
