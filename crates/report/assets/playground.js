@@ -116,6 +116,7 @@ class Playground extends Drawn {
     this.figure.querySelector('.stage').replaceChildren(...made, hint);
     this.figure.classList.add('open');
     if (this.wanted) this.recall();
+    this.result.textContent = 'Computing …';
     this.preview();
     const fit = new ResizeObserver(() => this.draw());
     for (const {canvas} of this.stages) fit.observe(canvas);

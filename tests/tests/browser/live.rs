@@ -55,7 +55,8 @@ fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
         ensure!(found.len() == 3 * expected.len(), "{} coordinates came back", found.len());
         let pairs = found.iter().zip(expected.as_flattened());
         let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        ensure!(off < 1e-9, "{flow}, λ = {lambda}, {count} steps: off by {off:e}");
+        // Conjugate gradients end at a residual of 10⁻⁸, by sums in another order.
+        ensure!(off < 1e-7, "{flow}, λ = {lambda}, {count} steps: off by {off:e}");
         let input = scene::noisy();
         let moved = input.positions().as_flattened().iter().zip(&found);
         let moved = moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

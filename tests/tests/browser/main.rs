@@ -5,6 +5,7 @@
 
 mod article;
 mod chrome;
+mod laboratory;
 mod live;
 mod page;
 mod play;
@@ -49,7 +50,10 @@ fn main() {
     let article = article::trials()
         .into_iter()
         .map(|(name, test)| trial(format!("article::{name}"), Page::File(article::page()), test));
-    let trials = made.chain(show).chain(article).collect();
+    let laboratory = laboratory::trials().into_iter();
+    let laboratory =
+        laboratory.map(|(name, test)| trial(format!("laboratory::{name}"), Page::Made, test));
+    let trials = made.chain(show).chain(laboratory).chain(article).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
     // Exiting the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));

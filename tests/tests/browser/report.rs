@@ -55,7 +55,8 @@ fn settle(chrome: &mut Chrome) -> Result<()> {
     Ok(())
 }
 
-/// The centre of a canvas in pixels of the window, once the folds around it are open.
+/// The centre of a canvas in pixels of the window, once the folds around it are open and the
+/// playgrounds in sight have their full height.
 fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
     let place = chrome.run(&format!(
         "(async () => {{
@@ -63,6 +64,7 @@ fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
            for (let k = 0; k < 3; k++) {{
              c.scrollIntoView({{block: 'center'}});
              await new Promise((go) => requestAnimationFrame(() => setTimeout(go, 0)));
+             await Promise.all([...fairing.views.values()].map((view) => view.opened));
            }}
            const r = c.getBoundingClientRect();
            return [r.x + r.width / 2, r.y + r.height / 2];

@@ -1,0 +1,540 @@
+//! The laboratory from disk: opening, computing, looking, and taking results along.
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use fairing_mesh::TriMesh;
+use fairing_mesh::io::{self, Format, VertexFields, WriteOptions};
+use fairing_shapes as shapes;
+use serde_json::{Value, json};
+
+use crate::Test;
+use crate::chrome::Chrome;
+
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![
+        ("every_sample_opens_and_every_task_runs", tasks),
+        ("a_dropped_mesh_shows_its_field_with_a_histogram", fields),
+        ("a_vertex_is_picked_with_all_its_values", picks),
+        ("steps_are_undone_and_taken_again", history),
+        ("copied_programs_give_the_same_bits", programs),
+        ("a_link_takes_the_steps_on_a_sample", links),
+        ("every_format_is_downloaded", downloads),
+        ("broken_files_are_refused_in_words", broken),
+        ("an_address_on_the_same_server_is_opened_and_no_other", addresses),
+        ("fifty_meshes_leave_memory_flat", memory),
+        ("without_webgl_it_says_so", plain),
+    ]
+}
+
+/// The page, written beside that of the report.
+fn made(report: &Path) -> Result<PathBuf> {
+    let page = report.with_file_name("fairing.html");
+    if !page.is_file() {
+        let module = std::env::var_os("FAIRING_WEB_MODULE").map_or_else(
+            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/assets/fairing.wasm.gz"),
+            PathBuf::from,
+        );
+        std::fs::write(&page, fairing_report::laboratory(&std::fs::read(module)?)?)?;
+    }
+    Ok(page)
+}
+
+/// `act` does something and waits for its end; `drop` drops a file whose bytes are in base64.
+const HELPERS: &str = "
+window.act = async (does) => {
+  laboratory.took = null;
+  does();
+  while (laboratory.took === null || laboratory.busy) await new Promise((go) => setTimeout(go, 5));
+  return laboratory.part.words.textContent;
+};
+window.drop = (name, text) => act(() => {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
+  document.dispatchEvent(new DragEvent('drop', {dataTransfer, cancelable: true}));
+});
+window.press = (name) => act(() => laboratory.part[name].click());
+window.sample = (name) => act(() => [...laboratory.part.samples.children].find((b) => b.textContent === name).click());
+window.task = (name, values = {}) => {
+  laboratory.turnTo(name);
+  for (const [key, value] of Object.entries(values)) laboratory.panels[name].inputs.get(key).value = value;
+};
+window.seen = () => [...document.querySelectorAll('.panels canvas')].map((c) => (
+  c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)));
+0";
+
+/// Opens the page; `after` is the part of its address after `#`.
+fn open(chrome: &mut Chrome, report: &Path, after: &str) -> Result<()> {
+    chrome.open(&format!("file://{}{after}", made(report)?.display()))?;
+    chrome.run(HELPERS).map(drop)
+}
+
+/// The bytes of a mesh as PLY, in base64.
+fn ply(mesh: &TriMesh, fields: &VertexFields) -> Result<String> {
+    let bytes = io::to_bytes(Format::Ply, mesh, fields, &WriteOptions::default())?;
+    Ok(BASE64.encode(bytes))
+}
+
+fn drop_mesh(chrome: &mut Chrome, name: &str, mesh: &TriMesh) -> Result<Value> {
+    let bytes = ply(mesh, &VertexFields::default())?;
+    chrome.run(&format!("drop({name:?}, '{bytes}')"))
+}
+
+/// The mesh of the last step.
+fn last(chrome: &mut Chrome) -> Result<TriMesh> {
+    let found = chrome.run(
+        "(() => { const {positions, faces} = laboratory.last.arrays; return [[...positions], [...faces]]; })()",
+    )?;
+    let [positions, faces] = [0, 1].map(|k| found[k].as_array().cloned().unwrap_or_default());
+    let positions: Vec<f64> = positions.iter().filter_map(Value::as_f64).collect();
+    let faces: Vec<u32> = faces.iter().filter_map(|v| v.as_u64().map(|v| v as u32)).collect();
+    Ok(TriMesh::new(positions.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
+}
+
+fn quiet(chrome: &Chrome) -> Result<()> {
+    ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
+    Ok(())
+}
+
+fn tasks(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let samples = chrome.run(
+        "(async () => {
+           const found = [];
+           for (const {textContent: name} of [...laboratory.part.samples.children]) {
+             const words = await sample(name);
+             found.push([name, words, laboratory.steps.length, laboratory.last.title]);
+           }
+           return found;
+         })()",
+    )?;
+    let samples = samples.as_array().context("no samples")?;
+    ensure!(samples.len() > 5, "{samples:?}");
+    for one in samples {
+        ensure!(one[1] == "" && one[2] == 1 && one[3] == one[0], "{one}");
+    }
+    let tasks = chrome.run(
+        "(async () => {
+           await sample('torus');
+           const found = [];
+           for (const name of ['noise', 'denoise', 'smooth', 'curvature', 'spectrum', 'reconstruct', 'distance', 'repair', 'compare']) {
+             const before = seen().join();
+             task(name, name === 'distance' ? {sources: '0'} : {});
+             if (!laboratory.part.add.hidden) await press('add');
+             else await press('run');
+             found.push([name, laboratory.part.words.className, laboratory.took < Infinity, seen().join() !== before]);
+           }
+           return [found, laboratory.steps.map((s) => s.request.verb), [...laboratory.last.fields.keys()], laboratory.part.info.textContent];
+         })()",
+    )?;
+    for one in tasks[0].as_array().into_iter().flatten() {
+        // A comparison is a table, and a repair finds nothing to do.
+        let looks = one[0] == "compare" || one[0] == "repair" || one[3] == true;
+        ensure!(one[1] == "hint" && one[2] == true && looks, "{one}");
+    }
+    let taken = json!(["sample", "noise", "denoise", "smooth", "reconstruct", "repair"]);
+    ensure!(tasks[1] == taken, "{}", tasks[1]);
+    ensure!(tasks[3].as_str().is_some_and(|t| t.contains("Hausdorff")), "{}", tasks[3]);
+    chrome.picture("laboratory")?;
+    let outside = |url: &&String| !["file:", "data:", "blob:"].iter().any(|s| url.starts_with(s));
+    let outside: Vec<_> = chrome.requests.iter().filter(outside).collect();
+    ensure!(outside.is_empty(), "{outside:?}");
+    quiet(chrome)
+}
+
+fn fields(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let mesh = shapes::torus(1.0, 0.4, 40, 20);
+    let heights: Vec<f64> = mesh.positions().iter().map(|p| p[2]).collect();
+    let bytes = ply(&mesh, &VertexFields::default().with_scalar("height", heights))?;
+    let found = chrome.run(&format!(
+        "(async () => {{
+           await drop('ring.ply', '{bytes}');
+           const {{part}} = laboratory;
+           const set = (name, value) => {{
+             Object.assign(part[name], value);
+             part[name].dispatchEvent(new Event('input'));
+           }};
+           const pictures = [seen().join()];
+           set('field', {{value: 'height'}});
+           const bars = [...document.querySelectorAll('.bar .count')].map((bar) => Number(bar.getAttribute('height')));
+           for (const name of ['lines', 'wire', 'flat']) {{
+             pictures.push(seen().join());
+             set(name, {{checked: true}});
+           }}
+           pictures.push(seen().join());
+           return [laboratory.last.arrays.positions.length, part.info.textContent, bars, new Set(pictures).size, document.querySelector('.bar .name').textContent];
+         }})()"
+    ))?;
+    ensure!(found[0] == 3 * mesh.vertex_count(), "{}", found[0]);
+    ensure!(found[1].as_str().is_some_and(|t| t.contains("genus1")), "{}", found[1]);
+    // The heights of a ring are most frequent at its top and bottom.
+    let bars: Vec<f64> =
+        found[2].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    ensure!(
+        bars.len() > 50 && bars[bars.len() / 2] < bars.iter().fold(0.0, |m, &b| f64::max(m, b)),
+        "{bars:?}"
+    );
+    ensure!(found[3] == 5, "{} pictures differ", found[3]);
+    ensure!(found[4].as_str().is_some_and(|t| t.contains("height")), "{}", found[4]);
+    chrome.picture("laboratory-field")?;
+    quiet(chrome)
+}
+
+fn picks(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let place = chrome.run(
+        "(async () => {
+           await sample('sphere');
+           task('curvature');
+           await press('run');
+           const canvas = document.querySelector('.panels canvas');
+           canvas.scrollIntoView();
+           const {left, top, width, height} = canvas.getBoundingClientRect();
+           return [left + width / 2, top + height / 2];
+         })()",
+    )?;
+    let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap_or_default());
+    chrome.drag([x, y], [x, y])?;
+    let words = chrome.run("laboratory.part.words.textContent")?;
+    let words = words.as_str().unwrap_or_default();
+    ensure!(words.starts_with("Vertex "), "{words}");
+    for name in ["mean 1", "gaussian ", "kappa1 ", "kappa2 "] {
+        ensure!(words.contains(name), "no {name} in {words}");
+    }
+    // Keys pick the next one, and a picked vertex is the source of distances.
+    let next = chrome.run(
+        "(async () => {
+           task('distance');
+           const canvas = document.querySelector('.panels canvas');
+           return await act(() => canvas.dispatchEvent(new KeyboardEvent('keydown', {key: 'n'})));
+         })()",
+    )?;
+    ensure!(next != words, "{next}");
+    let zero =
+        chrome.run("laboratory.last.fields.get('distance')[laboratory.viewer.state.vertex]")?;
+    ensure!(zero.as_f64().is_some_and(|d| d.abs() < 1e-6), "{zero}");
+    quiet(chrome)
+}
+
+fn history(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let found = chrome.run(
+        "(async () => {
+           const state = () => `${laboratory.steps.length} ${laboratory.last.arrays.positions.reduce((s, x) => s + x * x, 0)} ${seen()}`;
+           const key = (shiftKey) => act(() => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: shiftKey ? 'Z' : 'z', ctrlKey: true, shiftKey, bubbles: true})));
+           await sample('block');
+           const states = [state()];
+           task('noise');
+           await press('run');
+           states.push(state());
+           task('smooth', {iterations: '3'});
+           await press('run');
+           states.push(state());
+           await press('undo');
+           states.push(state());
+           await key(false);
+           states.push(state());
+           const {undo, redo} = laboratory.part;
+           const ends = [undo.disabled, redo.disabled];
+           await press('redo');
+           states.push(state());
+           await key(true);
+           states.push(state());
+           return [states, ends, redo.disabled, laboratory.part.steps.children.length];
+         })()",
+    )?;
+    let states = found[0].as_array().context("no states")?;
+    ensure!(states[0] != states[1] && states[1] != states[2], "{found}");
+    let again = [3, 4, 5, 6].map(|i| &states[i]);
+    ensure!(again == [1, 0, 1, 2].map(|i| &states[i]), "{found}");
+    ensure!(found[1] == json!([true, false]) && found[2] == true && found[3] == 3, "{found}");
+    quiet(chrome)
+}
+
+/// A program that the page copies, as it is.
+mod copied {
+    include!("copied.txt");
+
+    pub(super) fn run() -> Result<(), Box<dyn std::error::Error>> {
+        main()
+    }
+}
+
+/// Takes the steps of the copied programs on a mesh from a file.
+const STEPS: &str = "(async () => {
+  task('noise', {sigma: '0.2', seed: '3'});
+  await press('run');
+  task('smooth', {lambda: '0.3', iterations: '2'});
+  await press('run');
+  laboratory.panels.denoise.method = 'bilateral-normal';
+  laboratory.panels.denoise.build();
+  task('denoise');
+  await press('run');
+  task('repair', {tolerance: '0.01', holes: '30'});
+  await press('run');
+  let text;
+  navigator.clipboard.writeText = async (given) => { text = given; };
+  const all = [];
+  for (const language of ['shell', 'rust', 'python']) {
+    laboratory.part.language.value = language;
+    await laboratory.copy();
+    all.push(text);
+  }
+  return [all, laboratory.part.words.textContent, laboratory.part.language.querySelector('[value=link]').disabled];
+})()";
+
+/// The program and the crates do what the page did. The package for Python runs the third text in
+/// its own tests.
+fn programs(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let folder = tempfile::tempdir()?;
+    let pipe = shapes::cylinder(0.5, 2.0, 24, 20, shapes::Ends::Open);
+    io::write(folder.path().join("pipe.ply"), &pipe)?;
+    drop_mesh(chrome, "pipe.ply", &pipe)?;
+    let found = chrome.run(STEPS)?;
+    ensure!(found[1] == "Copied." && found[2] == true, "{found}");
+    let [shell, rust, python] = [0, 1, 2].map(|k| found[0][k].as_str().unwrap_or_default());
+    ensure!(rust == include_str!("copied.txt"), "{rust}");
+    ensure!(python == include_str!("../../../python/examples/laboratory.py"), "{python}");
+    let shown = last(chrome)?;
+    ensure!(shown.vertex_count() == pipe.vertex_count(), "{shown:?}");
+
+    let program = fairing_tests::program();
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    let own = program.parent().map(Path::to_path_buf);
+    let paths = std::env::join_paths(own.into_iter().chain(std::env::split_paths(&paths)))?;
+    let output =
+        Command::new("sh").args(["-ec", shell]).env("PATH", paths).current_dir(&folder).output()?;
+    ensure!(output.status.success(), "{shell}: {}", String::from_utf8_lossy(&output.stderr));
+    let here = std::env::current_dir()?;
+    std::env::set_current_dir(&folder)?;
+    let ran = copied::run().map_err(|error| anyhow::anyhow!("{error}"));
+    std::env::set_current_dir(here)?;
+    ran?;
+    for file in ["pipe-4.ply", "pipe-fairing.ply"] {
+        ensure!(io::read(folder.path().join(file))?.mesh == shown, "{file} differs");
+    }
+    quiet(chrome)
+}
+
+fn links(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let link = chrome.run(
+        "(async () => {
+           await sample('cube');
+           task('noise', {sigma: '0.1'});
+           await press('run');
+           task('smooth');
+           await press('run');
+           return laboratory.written('link');
+         })()",
+    )?;
+    let (_, after) = link.as_str().and_then(|link| link.split_once('#')).context("no link")?;
+    let before = last(chrome)?;
+    chrome.new_tab()?;
+    open(chrome, report, &format!("#{after}"))?;
+    ensure!(last(chrome)? == before, "{link} leads elsewhere");
+    chrome.new_tab()?;
+    open(chrome, report, "#sample=cube&step=smooth~sandpaper")?;
+    let words = chrome.run("laboratory.part.words.textContent")?;
+    ensure!(words.as_str().is_some_and(|w| w.contains("sandpaper")), "{words}");
+    quiet(chrome)
+}
+
+fn downloads(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let found = chrome.run(
+        "(async () => {
+           await sample('torus');
+           task('noise');
+           await press('run');
+           task('curvature');
+           await press('run');
+           const made = [];
+           URL.createObjectURL = (blob) => { made.push(blob); return 'data:,'; };
+           HTMLAnchorElement.prototype.click = function () { made.push(this.download); };
+           const all = [];
+           for (const {value} of [...laboratory.part.format.options]) {
+             laboratory.part.format.value = value;
+             await press('download');
+             const [blob, name] = made.splice(0);
+             const bytes = new Uint8Array(await blob.arrayBuffer());
+             all.push([name, btoa(Array.from(bytes, (b) => String.fromCharCode(b)).join(''))]);
+           }
+           return all;
+         })()",
+    )?;
+    let shown = last(chrome)?;
+    let folder = tempfile::tempdir()?;
+    let files = found.as_array().context("no downloads")?;
+    ensure!(files.len() == Format::ALL.len(), "{} files", files.len());
+    for file in files {
+        let name = file[0].as_str().unwrap_or_default();
+        ensure!(name.starts_with("torus-fairing."), "{name}");
+        let path = folder.path().join(name);
+        std::fs::write(&path, BASE64.decode(file[1].as_str().unwrap_or_default())?)?;
+        let read = io::read(&path)?;
+        ensure!(read.mesh.face_count() == shown.face_count(), "{name} has other faces");
+        // STL holds single precision and no shared corners.
+        ensure!(name.ends_with(".stl") || read.mesh == shown, "{name} holds another mesh");
+        let fields = read.fields.scalars.iter().any(|(name, _)| name == "mean");
+        ensure!(fields || !name.ends_with(".ply"), "{name} has lost its fields");
+    }
+    quiet(chrome)
+}
+
+/// After each, a sample can be opened.
+fn broken(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let sphere = shapes::icosphere(2);
+    let whole = BASE64.decode(ply(&sphere, &VertexFields::default())?)?;
+    let noise: Vec<u8> =
+        (0..2000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let files: [(&str, &[u8]); 10] = [
+        ("empty.obj", b""),
+        ("noise.ply", &noise),
+        ("noise.stl", &noise),
+        ("noise.bin", &noise),
+        ("short.ply", &whole[..whole.len() / 2]),
+        ("index.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
+        ("number.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        (
+            "huge.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n",
+        ),
+        ("letter.off", b"OFF\n3 1 0\na b c\n"),
+        ("packed.ply.gz", b"\x1f\x8b\x08\x00garbage"),
+    ];
+    for (name, bytes) in files {
+        let found = chrome.run(&format!(
+            "(async () => {{
+               const words = await drop('{name}', '{}');
+               const kind = laboratory.part.words.className;
+               return [words, kind, await sample('cube'), laboratory.steps.length];
+             }})()",
+            BASE64.encode(bytes)
+        ))?;
+        let words = found[0].as_str().unwrap_or_default();
+        ensure!(words.len() > 10 && found[1] == "error", "{name}: {found}");
+        ensure!(!words.contains("defect") && found[2] == "" && found[3] == 1, "{name}: {found}");
+    }
+    quiet(chrome)
+}
+
+/// A server with the page at `/` and a mesh everywhere else, for a number of requests.
+fn serve(page: PathBuf, mesh: Vec<u8>) -> Result<u16> {
+    let listener = TcpListener::bind("127.0.0.1:0")?;
+    let port = listener.local_addr()?.port();
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let Ok(mut stream) = stream else { return };
+            let mut request = [0; 4096];
+            let length = stream.read(&mut request).unwrap_or(0);
+            let (kind, body) = match request[..length].starts_with(b"GET / ") {
+                true => ("text/html", std::fs::read(&page).unwrap_or_default()),
+                false => ("application/octet-stream", mesh.clone()),
+            };
+            let head = format!(
+                "HTTP/1.1 200 OK\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+                body.len()
+            );
+            // The browser may have gone.
+            let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&body));
+        }
+    });
+    Ok(port)
+}
+
+fn addresses(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    let sphere = shapes::icosphere(3);
+    let bytes = BASE64.decode(ply(&sphere, &VertexFields::default())?)?;
+    let port = serve(made(report)?, bytes)?;
+    chrome.open(&format!("http://127.0.0.1:{port}/"))?;
+    chrome.run(HELPERS)?;
+    let paste = |text: &str| {
+        format!(
+            "(async () => {{
+               const clipboardData = new DataTransfer();
+               clipboardData.setData('text/plain', '{text}');
+               document.body.dispatchEvent(new ClipboardEvent('paste', {{clipboardData, bubbles: true}}));
+               const {{words}} = laboratory.part;
+               while (!laboratory.last && !words.textContent) await new Promise((go) => setTimeout(go, 5));
+               return [words.textContent, laboratory.steps.length];
+             }})()"
+        )
+    };
+    let before = chrome.requests.len();
+    let refused = chrome.run(&paste("http://example.org/scan.ply"))?;
+    let words = refused[0].as_str().unwrap_or_default();
+    ensure!(words.contains("not on the server of this page") && refused[1] == 0, "{refused}");
+    ensure!(chrome.requests.len() == before, "{:?}", chrome.requests);
+    chrome.run("laboratory.say('')")?;
+    let opened = chrome.run(&paste("/scans/ball.ply"))?;
+    ensure!(opened[1] == 1 && last(chrome)? == sphere, "{opened}");
+    let name = chrome.run("laboratory.name")?;
+    ensure!(name == "ball.ply", "{name}");
+    quiet(chrome)
+}
+
+/// The memory of the module, and that of the page after a collection.
+fn memory(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    let script = "const Plain = Worker;
+      window.Worker = class extends Plain {
+        set onmessage(f) {
+          super.onmessage = (event) => {
+            if (event.data.size) window.size = event.data.size;
+            f(event);
+          };
+        }
+      };";
+    chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
+    open(chrome, report, "")?;
+    let [small, large] =
+        [4, 5].map(|level| ply(&shapes::icosphere(level), &VertexFields::default()));
+    chrome.run(&format!("window.files = ['{}', '{}']; 0", small?, large?))?;
+    let mut used = vec![];
+    for round in 0..5 {
+        let found = chrome.run(
+            "(async () => {
+               for (let i = 0; i < 10; i++) {
+                 await drop('ball.ply', files[i % 2]);
+                 task('curvature');
+                 await press('run');
+                 task('smooth');
+                 await press('run');
+               }
+               return [laboratory.took < Infinity, size];
+             })()",
+        )?;
+        ensure!(found[0] == true, "round {round} failed");
+        chrome.call("HeapProfiler.collectGarbage", json!({}))?;
+        let heap = chrome.call("Runtime.getHeapUsage", json!({}))?;
+        let page = ["usedSize", "backingStorageSize"].map(|key| heap[key].as_f64().unwrap_or(0.0));
+        used.push([found[1].as_f64().context("no size")?, page[0] + page[1]]);
+    }
+    let [[module, page], [module_then, page_then]] = [used[1], used[4]];
+    ensure!(module_then == module, "the module grows: {used:?}");
+    // A mesh has a megabyte, of which thirty came and went.
+    ensure!(page_then - page < 5e6, "the page grows: {used:?}");
+    quiet(chrome)
+}
+
+fn plain(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    let script = "HTMLCanvasElement.prototype.getContext = () => null;
+      OffscreenCanvas.prototype.getContext = () => null;";
+    chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
+    let url = format!("file://{}", made(report)?.display());
+    chrome.call("Page.navigate", json!({"url": url}))?;
+    let words = chrome
+        .until("document.querySelector('[data-part=loading]')?.textContent ?? ''", |words| {
+            words.as_str().is_some_and(|w| w.contains("WebGL"))
+        })?;
+    ensure!(words.as_str().is_some_and(|w| w.contains("no WebGL 2")), "{words}");
+    Ok(())
+}
