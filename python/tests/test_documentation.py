@@ -92,6 +92,12 @@ def test_the_tour_runs() -> None:
     assert "names vertex 1" in done.stdout
 
 
+def test_the_program_that_the_laboratory_copies_runs(tmp_path: Path) -> None:
+    pf.shapes.cylinder(0.5, 2.0, 24, 20, ends="open").write(tmp_path / "pipe.ply")
+    subprocess.run([sys.executable, HERE / "examples" / "laboratory.py"], cwd=tmp_path, check=True)
+    assert pf.read(tmp_path / "pipe-fairing.ply").volume is not None
+
+
 def test_metadata_is_complete() -> None:
     metadata = importlib.import_module("importlib.metadata")
     try:

@@ -25,7 +25,7 @@ pub(crate) fn info(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer>
     Ok(value.into())
 }
 
-/// Scores of `mesh` against `reference`; with `matching` only those that follow from elements of the
+/// Scores of `mesh` against `reference`; with `matching` only those that compare elements of the
 /// same number: angles between normals, volume and sharp edges.
 pub(crate) fn compare(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let options = CompareOptions::with("compare", &request.values()?)?.unwrap_or_default();

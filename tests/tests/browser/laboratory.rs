@@ -8,8 +8,8 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, Format, VertexFields, WriteOptions};
+use fairing_mesh::{Diagnosis, TriMesh};
 use fairing_shapes as shapes;
 use serde_json::{Value, json};
 
@@ -51,6 +51,7 @@ window.act = async (does) => {
   laboratory.took = null;
   does();
   while (laboratory.took === null || laboratory.busy) await new Promise((go) => setTimeout(go, 5));
+  await new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)));
   return laboratory.part.words.textContent;
 };
 window.drop = (name, text) => act(() => {
@@ -161,11 +162,14 @@ fn fields(chrome: &mut Chrome, report: &Path) -> Result<()> {
              part[name].dispatchEvent(new Event('input'));
            }};
            const pictures = [seen().join()];
+           const drawn = () => new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)));
            set('field', {{value: 'height'}});
+           await drawn();
            const bars = [...document.querySelectorAll('.bar .count')].map((bar) => Number(bar.getAttribute('height')));
            for (const name of ['lines', 'wire', 'flat']) {{
              pictures.push(seen().join());
              set(name, {{checked: true}});
+             await drawn();
            }}
            pictures.push(seen().join());
            return [laboratory.last.arrays.positions.length, part.info.textContent, bars, new Set(pictures).size, document.querySelector('.bar .name').textContent];
@@ -173,13 +177,10 @@ fn fields(chrome: &mut Chrome, report: &Path) -> Result<()> {
     ))?;
     ensure!(found[0] == 3 * mesh.vertex_count(), "{}", found[0]);
     ensure!(found[1].as_str().is_some_and(|t| t.contains("genus1")), "{}", found[1]);
-    // The heights of a ring are most frequent at its top and bottom.
-    let bars: Vec<f64> =
-        found[2].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
-    ensure!(
-        bars.len() > 50 && bars[bars.len() / 2] < bars.iter().fold(0.0, |m, &b| f64::max(m, b)),
-        "{bars:?}"
-    );
+    // A ring of twenty segments has eleven heights, of which the extreme ones occur half as often.
+    let bars = found[2].as_array().into_iter().flatten().filter_map(Value::as_f64);
+    let bars: Vec<f64> = bars.filter(|&height| height > 0.0).collect();
+    ensure!(bars.len() == 11 && bars[0] == 12.0 && bars[5] == 24.0, "{bars:?}");
     ensure!(found[3] == 5, "{} pictures differ", found[3]);
     ensure!(found[4].as_str().is_some_and(|t| t.contains("height")), "{}", found[4]);
     chrome.picture("laboratory-field")?;
@@ -303,7 +304,7 @@ fn programs(chrome: &mut Chrome, report: &Path) -> Result<()> {
     ensure!(rust == include_str!("copied.txt"), "{rust}");
     ensure!(python == include_str!("../../../python/examples/laboratory.py"), "{python}");
     let shown = last(chrome)?;
-    ensure!(shown.vertex_count() == pipe.vertex_count(), "{shown:?}");
+    ensure!(Diagnosis::new(&shown).closed, "the ends of the pipe are open");
 
     let program = fairing_tests::program();
     let paths = std::env::var_os("PATH").unwrap_or_default();
@@ -519,8 +520,8 @@ fn memory(chrome: &mut Chrome, report: &Path) -> Result<()> {
         used.push([found[1].as_f64().context("no size")?, page[0] + page[1]]);
     }
     let [[module, page], [module_then, page_then]] = [used[1], used[4]];
-    ensure!(module_then == module, "the module grows: {used:?}");
-    // A mesh has a megabyte, of which thirty came and went.
+    // Thirty meshes of half a megabyte came and went, with their fields and results.
+    ensure!(module_then - module < 2e6, "the module grows: {used:?}");
     ensure!(page_then - page < 5e6, "the page grows: {used:?}");
     quiet(chrome)
 }

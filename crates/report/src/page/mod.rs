@@ -4,8 +4,8 @@
 //! interactive views are brought to life by the scripts of `assets/` and of
 //! `crates/figure/viewer`, which stand in the page as they are. Nothing is requested from anywhere.
 //!
-//! The module of `crates/web` computes in the page, the one that is committed, so that a machine with
-//! nothing but cargo makes the same report.
+//! The committed module of `crates/web` computes in the page, so that a machine with nothing but
+//! cargo makes the same report.
 
 mod base85;
 mod bundle;
