@@ -153,10 +153,6 @@ fn contents(results: &Results) -> String {
 
 /// The idea under the reader's hand, then the subject and the findings.
 fn opening(results: &Results) -> String {
-    let count = |what: &str, n: usize| match n {
-        1 => format!("1 {what}"),
-        n => format!("{n} {what}s"),
-    };
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
     let mut text = format!(
         "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}</p>",
@@ -196,7 +192,8 @@ fn opening(results: &Results) -> String {
         let _ = write!(text, "<ul class=\"found\">{groups}{lessons}</ul>");
     }
     if failed > 0 {
-        let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
+        let s = if failed == 1 { "" } else { "s" };
+        let _ = write!(text, "<p class=\"error\">{failed} experiment{s} failed.</p>");
     }
     let symbols: String = notation::SYMBOLS
         .iter()
