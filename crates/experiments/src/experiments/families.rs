@@ -300,7 +300,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     );
     let judgement = Judgement::new(
         "unseen",
-        "On families of meshes that it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
+        "On families of shapes it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
         verdict,
         reason,
     )

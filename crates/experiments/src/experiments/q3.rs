@@ -70,7 +70,7 @@ fn section() -> Section {
     .edge_lengths_of("each mesh")
     .sources(&["pinkall1993", "meyer2003", "desbrun1999"])
     .notation(&["x", "X", "i", "j", "A", "\\alpha", "\\beta", "H", "K", "n", "\\Delta", "M", "S"])
-    .shows(&["torus-view", "convergence"], &[])
+    .shows(&["torus-view", "convergence", "flower-signed"], &[])
     .names(&[("flower-view", "the flower"), ("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence"), ("planes", "what is left on planes")])
 }
 
@@ -80,7 +80,7 @@ impl Experiment for CotangentCurvature {
             id: "q3",
             title: "Mean curvature from the cotangent Laplacian",
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
+            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. It is the gradient of the area: only moving a vertex off the plane of its neighbours changes the area, so that on a plane, however uneven the triangles, nothing tangential is left. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[Input::Flower, Input::Plane],
@@ -179,7 +179,7 @@ impl Experiment for CotangentCurvature {
         Ok(vec![
             Judgement::new(
                 "3a",
-                "Cotangents bring out detail on a complex mesh, but artefacts on the plane",
+                "Cotangents reveal detail on a complex mesh but create artefacts on the plane",
                 verdict,
                 reason,
             )
@@ -283,7 +283,7 @@ fn pictures(
     let to_see = seen::equalised(&[("‖Δx‖/2", &norms)]) + flat;
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
     let gallery =
-        |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3, occlusion: true };
+        |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.5, occlusion: true };
     let assignment = gallery(vec![
         Look { title: "original", mesh, coloring: None },
         Look {

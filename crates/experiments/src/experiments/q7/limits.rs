@@ -217,7 +217,7 @@ fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String
     let each = each.collect::<Vec<_>>().join(", ");
     let begin = match further.len() {
         0 => "On no mesh is that measurable. ".into(),
-        n if n < found.len() => format!("They do on {} only. ", further.join(" and ")),
+        n if n < found.len() => format!("Only on {}. ", further.join(" and ")),
         _ => String::new(),
     };
     format!("{begin}Denoisers and flows keep {each} of noise.")
