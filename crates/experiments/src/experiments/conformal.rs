@@ -75,7 +75,7 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
     radii.iter().map(|r| r / mean - 1.0).collect()
 }
 
-/// How round the sphere is after so many steps each, as a sentence.
+/// A sentence on the roundness of the sphere after so many steps each.
 fn rounded(errors: &[(usize, f64)]) -> String {
     let Some(((_, settled), others)) = errors.split_last() else { return String::new() };
     let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);

@@ -380,8 +380,8 @@ const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
 const LINE: f64 = 1e-3;
 
-/// A smoothed mesh as drawn beside its input, and the scale for its title: meshes that have diverged
-/// or shrunk are drawn at the size of the input. `None` where there is no surface left to draw.
+/// A smoothed mesh as drawn beside its input, and the scale for its title: meshes that have
+/// diverged or shrunk are drawn at the size of the input. `None` if no surface is left to draw.
 fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<Option<(TriMesh, String)>> {
     let growth = mesh.diagonal() / input.diagonal();
     let area: f64 = (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)).length()).sum();

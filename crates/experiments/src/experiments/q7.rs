@@ -31,9 +31,9 @@ const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
 /// The same for a quick run.
 const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
 
-/// Seeds of the methods, and of those that take several times as long as all others together. The
-/// standard error of the normal error is then well below a degree where a method is near the limit of what
-/// counts as kept.
+/// Numbers of seeds: of most methods, and of those that take several times as long as all others
+/// together. The standard error of the normal error is then well below a degree where a method is
+/// near the limit of a kept shape.
 const SEEDS: [usize; 2] = [5, 3];
 
 /// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher

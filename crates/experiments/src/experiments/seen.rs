@@ -1,5 +1,5 @@
-//! Sentences on the effects visible in pictures, made from the values that are drawn: a caption says
-//! nothing that its picture does not show.
+//! Sentences on the effects visible in pictures, made from the values that are drawn: a caption
+//! says nothing that its picture does not show.
 
 use fairing_operators::curvature::ScalarCurvature;
 
