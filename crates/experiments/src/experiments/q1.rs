@@ -261,7 +261,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
         .into_iter()
         .collect::<Result<Vec<_>>>()?;
     let short = format!(
-        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, and its distance from a curvature depends on the unit. Scaled by the edges it is a curvature, but uniform weights mistake uneven edges and tangential shifts for curvature: on the finest regular torus the relative error is still {}. Gaussian curvature converges in the root mean square on regular meshes only: on the finest jittered torus the error is {}. Only its total over the surface is exact (Gauss–Bonnet).",
+        "Mean curvature is not approximated. ‖Δx‖/2 is a length that goes to zero with the edges, and its distance from a curvature depends on the unit. Scaled by the edges it has the unit of a curvature, but uniform weights mistake uneven edges and tangential shifts for curvature: on the finest regular torus the relative error is still {}. Gaussian curvature converges in the root mean square on regular meshes only; on the finest jittered torus the error is {}. Only its total over the surface is exact (Gauss–Bonnet).",
         brief(torus),
         brief(left),
     );

@@ -97,7 +97,7 @@ impl Experiment for EllipsoidForms {
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size; its size is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
             crate::table::brief(check),
             crate::table::brief(smallest_l),
             crate::table::brief(100.0 * error),
@@ -110,7 +110,7 @@ impl Experiment for EllipsoidForms {
                 verdict,
                 reason,
             )
-            .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
+            .finding(format!("Along y the normal curvature is a/b² in size; 1/c, the size in the original report, is right on {right} of {} ellipsoids, the sphere.", ours.len()))
             .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)

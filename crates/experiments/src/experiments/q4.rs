@@ -116,13 +116,17 @@ impl Experiment for Reconstruction {
             _ => Verdict::Refuted,
         };
         let reason = format!(
-            "{}, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} falls by {} %; {}.",
+            "{}, and Parseval's identity predicts it to {}. From {} to {} modes the error of the {} falls by {:.0} %; {}.",
             if falling { FALLS } else { RISES },
-            brief(mismatch),
+            if mismatch < ROUNDING {
+                "rounding".to_string()
+            } else {
+                format!("{} of the diagonal", brief(mismatch))
+            },
             ks[0],
             ks[1],
             names[0],
-            brief(steps[0]),
+            steps[0],
             what_is_left(ks[ks.len() - 1], complete, last),
         );
         let [[least, most], [low, high]] =

@@ -157,10 +157,10 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Stable: {}, the diagonal is at most {} times as long after a run as before, over all λ above zero. Only the edges: {}. At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
-        if stable { "yes" } else { "no" },
+        "Implicit smoothing {}: over all λ above zero the diagonal is at most {} times as long after a run as before. {} At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
+        if stable { "is stable" } else { "is not stable" },
         brief(growth),
-        if only_edges { "yes" } else { "no" },
+        if only_edges { "Only the edges deform." } else { "But not only the edges deform." },
         brief(border),
         brief(inside),
         brief(closed),
@@ -225,10 +225,10 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} of that distance. What looked like convergence is a longer diffusion: in the original report {} units of time beside {}.",
+        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} % of that distance. What looked like convergence was a longer diffusion: in the original report {} units of time beside {}.",
         brief(least),
         brief(apart),
-        brief(ratio),
+        brief(100.0 * ratio),
         brief(few as f64 * CLAIMED),
         brief(few as f64 * REPORT),
     );
