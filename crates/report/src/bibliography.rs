@@ -52,8 +52,8 @@ pub(crate) fn entry(key: &str) -> Option<Entry> {
     })
 }
 
-/// The first and the last names in `Last, First` or `First Last`, the last with its particles: words
-/// that begin with a small letter.
+/// The first and the last names in `Last, First` or `First Last`; particles, which begin with a
+/// small letter, belong to the last name.
 fn split_name(name: &str) -> [String; 2] {
     if let Some((last, first)) = name.split_once(", ") {
         return [first.into(), last.into()];

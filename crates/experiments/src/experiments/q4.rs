@@ -15,6 +15,7 @@ use ndarray::ArrayView2;
 use self::pictures::{decay, eigenvalues, modes_picture, picture, view};
 use super::gap;
 use super::mode_sums;
+use super::refinement::between;
 use super::seen;
 use super::surfaces::{Sampling, TestSurface};
 use super::torus;
@@ -424,12 +425,6 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
         ),
         content: Content::Text(csv),
     })
-}
-
-/// Two orders to two digits, or one if they do not differ in them.
-fn between(least: f64, most: f64) -> String {
-    let [low, high] = [least, most].map(|x| format!("{x:.2}"));
-    if low == high { low } else { format!("{low} to {high}") }
 }
 
 const FORMULAS: [&str; 1] = [

@@ -149,7 +149,7 @@ impl Experiment for ExplicitFlow {
                 match is_best {
                     true => format!("Of the four steps λ = {CLAIMED} is the best on both meshes, but there is no best λ as such."),
                     false => format!(
-                        "There is no best λ: the patch and the machine part want {} and {}.",
+                        "There is no best λ: on the patch and the machine part it is {} and {}.",
                         brief(swept.surface[0].lambda),
                         brief(swept.surface[1].lambda)
                     ),

@@ -214,7 +214,7 @@ impl Running {
 fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
     let mut table = Table::new(
         "modes",
-        "The spectral method: a twentieth of the modes, how many are kept to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
+        "A twentieth of the modes, the number that the spectral method keeps to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
