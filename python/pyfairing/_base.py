@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 
 
 class Base:
-    """The mesh of the extension, and the fields of its vertices."""
+    """The mesh of the extension, and the fields of its vertices and faces."""
 
     __slots__ = ()
 
     _core: CoreMesh
     _fields: dict[str, npt.NDArray[Any]]
+    _face_fields: dict[str, npt.NDArray[Any]]
 
     if TYPE_CHECKING:
 
@@ -33,6 +34,7 @@ class Base:
             core: CoreMesh,
             fields: Mapping[str, npt.ArrayLike] | None = None,
             report: Mapping[str, Any] | None = None,
+            face_fields: Mapping[str, npt.ArrayLike] | None = None,
         ) -> Self: ...
 
     def _warn_of_orientation(self) -> None:

@@ -13,6 +13,8 @@ Split = tuple[int, int | None] | None
 Given = list[tuple[str, Any]]
 Sources = list[int] | list[list[float]] | list[tuple[int, list[float]]]
 Scalars = list[tuple[str, Floats]]
+Named = tuple[Scalars, Scalars, Bytes | None]
+FileFields = tuple[Named, Named, Floats | None]
 
 class FairingError(ValueError): ...
 class MeshError(FairingError): ...
@@ -56,9 +58,7 @@ class Mesh:
     def write(
         self,
         path: str,
-        scalars: Scalars,
-        vectors: Scalars,
-        colors: Bytes | None,
+        fields: FileFields,
         ascii: bool,
         width: str,
         call: Call,
@@ -66,9 +66,7 @@ class Mesh:
     def to_bytes(
         self,
         format: str,
-        scalars: Scalars,
-        vectors: Scalars,
-        colors: Bytes | None,
+        fields: FileFields,
         ascii: bool,
         width: str,
         call: Call,
@@ -136,7 +134,7 @@ class Surface:
     def principal(self, u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]: ...
     def curvature_at(self, points: Floats) -> tuple[Floats, Floats]: ...
 
-FileParts = tuple[Mesh, Scalars, Scalars, Bytes | None, dict[str, Any]]
+FileParts = tuple[Mesh, Named, Named, Floats | None, dict[str, Any]]
 
 def tables() -> dict[str, Any]: ...
 def read(path: str, strict: bool, drop_broken: bool, call: Call) -> FileParts: ...
@@ -146,7 +144,7 @@ def read_bytes(
 def from_polygons(vertices: Floats, corners: Indices, sizes: Indices, call: Call) -> Mesh: ...
 def repair(
     mesh: Mesh, steps: dict[str, Any], call: Call
-) -> tuple[Mesh, dict[str, Any], Indices, bool]: ...
+) -> tuple[Mesh, dict[str, Any], tuple[Indices, Indices], bool]: ...
 def components(mesh: Mesh, call: Call) -> tuple[Labels, Labels]: ...
 def closest(
     mesh: Mesh, points: Floats, signed: bool, call: Call

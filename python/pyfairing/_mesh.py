@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _core
-from ._arrays import Bools, Bytes, Floats, Indices
+from . import _arrays, _core, _fields
+from ._arrays import Bools, Floats, Indices
 from ._calls import Progress, running, warn
 from ._computing import Computing
 from ._docs import documented
@@ -23,6 +23,7 @@ from ._pictures import Pictures
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from ._core import FileFields
     from ._core import Mesh as CoreMesh
 
 #: A scalar field (n,), a vector field (n, 3), or `colors` (n, 3) of uint8.
@@ -41,6 +42,9 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Corners, counter-clockwise seen from outside, numbered from 0.
     fields : mapping of str to array_like, optional
         Vertex data of shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
+    face_fields : mapping of str to array_like, optional
+        Face data of shape (m,), (m, 3), (m, 3) of uint8 under the name `colors`, or (m, 3, 2) under
+        the name `texture`: the texture coordinates of the corners.
 
     Raises
     ------
@@ -63,10 +67,11 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     (3, 3)
     """
 
-    __slots__ = ("__weakref__", "_core", "_fields", "_hash", "_report")
+    __slots__ = ("__weakref__", "_core", "_face_fields", "_fields", "_hash", "_report")
 
     _core: CoreMesh
     _fields: dict[str, npt.NDArray[Any]]
+    _face_fields: dict[str, npt.NDArray[Any]]
     _report: Mapping[str, Any]
     _hash: int | None
 
@@ -75,19 +80,28 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         vertices: Any,
         faces: npt.ArrayLike | None = None,
         fields: Mapping[str, npt.ArrayLike] | None = None,
+        face_fields: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
+        own: Mapping[str, npt.ArrayLike] = {}
+        own_of_faces: Mapping[str, npt.ArrayLike] = {}
         if faces is None:
-            core, given = _from_object(vertices)
+            core, own, own_of_faces = _fields.from_object(vertices)
         else:
             core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
-            given = {}
-        self._fill(core, {**given, **(fields or {})}, {})
+        self._fill(core, {**own, **(fields or {})}, {**own_of_faces, **(face_fields or {})}, {})
 
-    def _fill(self, core: CoreMesh, fields: Mapping[str, npt.ArrayLike], report: Mapping[str, Any]) -> None:
-        n = core.vertex_count
-        made = {str(name): _field(values, n, str(name)) for name, values in fields.items()}
+    def _fill(
+        self,
+        core: CoreMesh,
+        fields: Mapping[str, npt.ArrayLike],
+        face_fields: Mapping[str, npt.ArrayLike],
+        report: Mapping[str, Any],
+    ) -> None:
+        n, m = core.vertex_count, core.face_count
+        made = {str(name): _fields.field(values, n, f"the field {name}") for name, values in fields.items()}
         object.__setattr__(self, "_core", core)
         object.__setattr__(self, "_fields", made)
+        object.__setattr__(self, "_face_fields", _fields.of_faces(face_fields, m))
         object.__setattr__(self, "_report", MappingProxyType(dict(report)))
         object.__setattr__(self, "_hash", None)
 
@@ -97,15 +111,19 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         core: CoreMesh,
         fields: Mapping[str, npt.ArrayLike] | None = None,
         report: Mapping[str, Any] | None = None,
+        face_fields: Mapping[str, npt.ArrayLike] | None = None,
     ) -> Self:
         mesh = cls.__new__(cls)
-        mesh._fill(core, fields or {}, report or {})
+        mesh._fill(core, fields or {}, face_fields or {}, report or {})
         return mesh
 
     def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self:
         """A mesh at other positions, without normals, which do not fit any more."""
-        kept = {name: values for name, values in self._fields.items() if name != "normal"}
-        return self._of(core, kept, report)
+        kept, of_faces = (
+            {name: values for name, values in fields.items() if name != "normal"}
+            for fields in (self._fields, self._face_fields)
+        )
+        return self._of(core, kept, report, of_faces)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a mesh never changes: {name} cannot be set")
@@ -159,6 +177,16 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         are `normal`), and `colors` is (n, 3) uint8.
         """
         return MappingProxyType(self._fields)
+
+    @property
+    def face_fields(self) -> Fields:
+        """Face data by name, in the order of the file; arrays are read-only.
+
+        Scalar fields are (m,) float64, vector fields (m, 3) float64 (face normals of a file are
+        `normal`), `colors` is (m, 3) uint8, and `texture` (m, 3, 2) float64, the texture
+        coordinates of the corners of each face.
+        """
+        return MappingProxyType(self._face_fields)
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -255,7 +283,29 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Mesh
             Shares the vertices and faces of this mesh.
         """
-        return self._of(self._core, {**self._fields, **(fields or {}), **more}, self._report)
+        given = {**self._fields, **(fields or {}), **more}
+        return self._of(self._core, given, self._report, self._face_fields)
+
+    def with_face_fields(
+        self, fields: Mapping[str, npt.ArrayLike] | None = None, **more: npt.ArrayLike
+    ) -> Self:
+        """The same mesh with more face data; fields of the same names are replaced.
+
+        Parameters
+        ----------
+        fields : mapping of str to array_like, optional
+            Shape (m,), (m, 3), (m, 3) of uint8 under the name `colors`, or (m, 3, 2) under the name
+            `texture`.
+        **more : array_like
+            Fields as keyword arguments.
+
+        Returns
+        -------
+        Mesh
+            Shares the vertices and faces of this mesh.
+        """
+        given = {**self._face_fields, **(fields or {}), **more}
+        return self._of(self._core, self._fields, self._report, given)
 
     @documented
     def write(
@@ -272,7 +322,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Parameters
         ----------
         path : str or path
-            Ends in .obj, .ply, .off or .stl, optionally followed by .gz. PLY holds all fields;
+            Ends in .obj, .ply, .off, .stl or .vtp, optionally followed by .gz. PLY holds all fields;
             fields that a format cannot hold are left out, with a warning.
         ascii : bool
             Text instead of binary, for PLY and STL.
@@ -287,9 +337,8 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         OptionError
             If the format cannot hold the mesh, or the file extension is unknown.
         """
-        scalars, vectors, colors = self._sorted_fields()
         with running(threads, progress) as call:
-            dropped, notes = self._core.write(fspath(path), scalars, vectors, colors, ascii, width, call)
+            dropped, notes = self._core.write(fspath(path), self._file_fields(), ascii, width, call)
         if dropped:
             warn(f"{fspath(path)}: the format cannot hold {', '.join(dropped)}")
         for note in notes:
@@ -300,7 +349,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
 
         Parameters
         ----------
-        format : {'ply', 'obj', 'off', 'stl'}
+        format : {'ply', 'obj', 'off', 'stl', 'vtp'}
             The format, not compressed. Fields that it cannot hold are left out.
         ascii : bool
             Text instead of binary, for PLY and STL.
@@ -311,17 +360,13 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         -------
         bytes
         """
-        scalars, vectors, colors = self._sorted_fields()
         with running(None, None) as call:
-            return self._core.to_bytes(format, scalars, vectors, colors, ascii, width, call)
+            return self._core.to_bytes(format, self._file_fields(), ascii, width, call)
 
-    def _sorted_fields(
-        self,
-    ) -> tuple[list[tuple[str, Floats]], list[tuple[str, Floats]], Bytes | None]:
-        fields = self._fields.items()
-        scalars = [(name, values) for name, values in fields if values.ndim == 1]
-        vectors = [(name, values) for name, values in fields if values.ndim == 2 and name != "colors"]
-        return scalars, vectors, self._fields.get("colors")
+    def _file_fields(self) -> FileFields:
+        texture = self._face_fields.get("texture")
+        flat = None if texture is None else texture.reshape(-1, 2)
+        return _fields.named(self._fields), _fields.named(self._face_fields), flat
 
     def to_trimesh(self) -> Any:
         """Converts to a `trimesh.Trimesh`; nothing is merged or dropped."""
@@ -334,13 +379,18 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         import meshio
 
         data = {name: np.array(values) for name, values in self._fields.items()}
-        return meshio.Mesh(self.vertices.copy(), [("triangle", self.faces.astype(np.int64))], data)
+        of_faces = {name: [np.array(values)] for name, values in self._face_fields.items()}
+        return meshio.Mesh(
+            self.vertices.copy(), [("triangle", self.faces.astype(np.int64))], data, cell_data=of_faces
+        )
 
     def __repr__(self) -> str:
         n, m = self.n_vertices, self.n_faces
         text = f"{n} {'vertex' if n == 1 else 'vertices'}, {m} {'face' if m == 1 else 'faces'}"
         if self._fields:
             text += f", fields {', '.join(self._fields)}"
+        if self._face_fields:
+            text += f", face fields {', '.join(self._face_fields)}"
         return f"Mesh({text})"
 
     def __eq__(self, other: object) -> bool:
@@ -362,87 +412,23 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         return self
 
     def __reduce__(self) -> Any:
-        parts = (np.array(self.vertices), np.array(self.faces), self._fields, dict(self._report))
+        arrays = (np.array(self.vertices), np.array(self.faces))
+        parts = (*arrays, self._fields, dict(self._report), self._face_fields)
         return _restored, (type(self), *parts)
 
     def __dask_tokenize__(self) -> Any:
-        return ("pyfairing.Mesh", self.vertices, self.faces, dict(self._fields))
+        return ("pyfairing.Mesh", self.vertices, self.faces, dict(self._fields), dict(self._face_fields))
 
 
 def _restored(
-    cls: type[Mesh], vertices: Floats, faces: Indices, fields: Fields, report: Mapping[str, Any]
+    cls: type[Mesh],
+    vertices: Floats,
+    faces: Indices,
+    fields: Fields,
+    report: Mapping[str, Any],
+    face_fields: Fields,
 ) -> Mesh:
-    return cls._of(_core.Mesh(vertices, faces), fields, report)
-
-
-def _field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
-    """A read-only field."""
-    if name == "colors":
-        colors = np.asarray(values)
-        if colors.dtype != np.uint8 or colors.shape != (n, 3):
-            raise _core.OptionError(
-                f"colors are {colors.dtype} of shape {colors.shape}, but must be uint8 of ({n}, 3)"
-            )
-        return _arrays.frozen(np.array(colors)) if colors.flags.writeable else colors
-    array = _arrays.floats(values, f"the field {name}")
-    if array.shape not in ((n,), (n, 3)):
-        raise _core.OptionError(
-            f"the field {name} has the shape {array.shape}, but must have ({n},) or ({n}, 3)"
-        )
-    if not array.flags.writeable and array.flags.c_contiguous:
-        return array
-    _arrays.finite(array, f"the field {name}")
-    return _arrays.frozen(np.array(array, order="C"))
-
-
-def _from_object(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
-    """The mesh in an object of another package, and its fields."""
-    if isinstance(source, Mesh):
-        return source._core, dict(source._fields)
-    if hasattr(source, "vertices") and hasattr(source, "faces"):
-        core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
-        return core, _colors_of_trimesh(source, core.vertex_count)
-    if hasattr(source, "points") and hasattr(source, "cells"):
-        return _from_meshio(source)
-    raise TypeError(
-        f"a mesh is made of vertices and faces, or of an object that has them, not of {type(source).__name__}"
-    )
-
-
-def _colors_of_trimesh(source: Any, n: int) -> dict[str, npt.ArrayLike]:
-    visual: Any = getattr(source, "visual", None)
-    if getattr(visual, "kind", None) != "vertex":
-        return {}
-    colors = np.asarray(visual.vertex_colors)
-    return {"colors": np.ascontiguousarray(colors[:, :3])} if colors.shape[:1] == (n,) else {}
-
-
-def _from_meshio(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
-    polygons: list[Any] = []
-    skipped = set()
-    for block in source.cells:
-        if block.type in ("triangle", "quad", "polygon"):
-            polygons.extend(block.data)
-        else:
-            skipped.add(block.type)
-    if skipped:
-        warn(f"cells that are no faces are left out: {', '.join(sorted(skipped))}")
-    points = np.asarray(source.points)
-    if points.ndim == 2 and points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
-    n = len(points)
-    fields: dict[str, npt.ArrayLike] = {}
-    for name, values in (getattr(source, "point_data", None) or {}).items():
-        array = np.asarray(values)
-        if array.dtype.kind in "fiu" and array.shape in ((n,), (n, 3)) and np.isfinite(array).all():
-            if name != "colors" or array.dtype == np.uint8:
-                fields[name] = array
-                continue
-        warn(f"the field {name} is left out: {array.dtype} of shape {array.shape}")
-    if all(len(p) == 3 for p in polygons):
-        triangles = np.asarray(polygons) if polygons else np.zeros((0, 3), np.uint32)
-        return _core.Mesh(_arrays.vertices(points), _arrays.faces(triangles)), fields
-    return Mesh.from_polygons(points, polygons)._core, fields
+    return cls._of(_core.Mesh(vertices, faces), fields, report, face_fields)
 
 
 @documented
@@ -519,11 +505,11 @@ def read_bytes(
 
 
 def _with_warnings(parts: Any, name: str) -> Mesh:
-    core, scalars, vectors, colors, report = parts
-    fields: dict[str, npt.ArrayLike] = {n: _arrays.frozen(v) for n, v in [*scalars, *vectors]}
-    if colors is not None:
-        fields["colors"] = _arrays.frozen(colors)
+    core, of_vertices, of_faces, texture, report = parts
+    fields, face_fields = _fields.by_name(of_vertices), _fields.by_name(of_faces)
+    if texture is not None:
+        face_fields["texture"] = _arrays.frozen(texture.reshape(-1, 3, 2))
     counts = ("polygons", "reduced_faces", "left_out_faces", "broken_vertices", "broken_faces")
     if any(report[name] for name in (*counts, "notes")):
         warn(f"{name}: {report['text']}".strip())
-    return Mesh._of(core, fields, report)
+    return Mesh._of(core, fields, report, face_fields)

@@ -122,8 +122,8 @@ class Parts(Base):
         Returns
         -------
         Mesh
-            With the fields of this mesh; in the patch of a hole those nearby. Normals are left
-            out if the surface has changed. `Mesh.report` has
+            With the fields of this mesh and its faces; in the patch of a hole those nearby. Normals
+            are left out if the surface has changed. `Mesh.report` has
 
             - `unchanged`: true if there was nothing to mend
             - `changes`: the elements of this mesh that each step changed, ascending, by the names
@@ -167,15 +167,17 @@ class Parts(Base):
             "holes": _arrays.whole(holes, "holes"),
         }
         with running(threads, progress) as call:
-            core, report, nearest, keeps_normals = _core.repair(self._core, steps, call)
+            core, report, (nearest, corners), normals = _core.repair(self._core, steps, call)
         if report["flat_patches"]:
             warn(f"the patches of holes stay flat: {report['flat_patches']}")
-        return self._of(core, self._picked(nearest, normals=keeps_normals), report)
-
-    def _picked(self, vertices: npt.NDArray[Any], *, normals: bool = True) -> dict[str, npt.NDArray[Any]]:
-        """The fields at some vertices."""
-        named = self._fields.items()
-        return {name: values[vertices] for name, values in named if normals or name != "normal"}
+        faces = {name: values[corners[::3] // 3] for name, values in self._face_fields.items()}
+        if "texture" in faces:
+            faces["texture"] = self._face_fields["texture"].reshape(-1, 2)[corners].reshape(-1, 3, 2)
+        fields = {name: values[nearest] for name, values in self._fields.items()}
+        if not normals:
+            fields.pop("normal", None)
+            faces.pop("normal", None)
+        return self._of(core, fields, report, faces)
 
     def weld(self) -> tuple[Self, Indices]:
         """Joins vertices at exactly equal positions.
@@ -243,7 +245,7 @@ class Parts(Base):
         Returns
         -------
         mesh : Mesh
-            Faces in the order given, vertices in the order of this mesh, with their fields.
+            Faces in the order given, vertices in the order of this mesh, both with their fields.
         index : ndarray of uint32
             The vertex of this mesh of each vertex of `mesh`.
 
@@ -257,11 +259,14 @@ class Parts(Base):
         True
         """
         numbers = _arrays.numbers(faces, self._core.face_count, "faces", self._core.face_count, of="face")
-        corners = self._core.faces[np.asarray(numbers, dtype=np.int64)]
+        chosen = np.asarray(numbers, dtype=np.int64)
+        corners = self._core.faces[chosen]
         index = np.unique(corners)
         places = np.searchsorted(index, corners).astype(np.uint32).reshape(-1, 3)
         core = _core.Mesh(np.ascontiguousarray(self._core.vertices[index]), places)
-        return self._of(core, self._picked(index)), index
+        fields = {name: values[index] for name, values in self._fields.items()}
+        of_faces = {name: values[chosen] for name, values in self._face_fields.items()}
+        return self._of(core, fields, None, of_faces), index
 
     @documented
     def closest(

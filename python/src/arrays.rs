@@ -10,13 +10,13 @@ use crate::error::{Error, Result};
 /// A numpy array with two axes.
 pub(crate) type Rows<'py> = Bound<'py, PyArray2<f64>>;
 
-/// `n × 3`, without a copy.
-pub(crate) fn rows<'py, T: Element>(
-    py: Python<'py>,
-    rows: Vec<[T; 3]>,
-) -> PyResult<Bound<'py, PyArray2<T>>> {
+/// `n × d`, without a copy.
+pub(crate) fn rows<T: Element, const D: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; D]>,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let n = rows.len();
-    PyArray1::from_vec(py, rows.into_flattened()).reshape([n, 3])
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([n, D])
 }
 
 /// One number for each element, without a copy.

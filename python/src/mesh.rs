@@ -39,10 +39,15 @@ impl Mesh {
     }
 }
 
-/// Fields by name: numbers, vectors, and colours.
-pub(crate) type Scalars<'py> = Vec<(String, PyReadonlyArray1<'py, f64>)>;
-pub(crate) type Vectors<'py> = Vec<(String, PyReadonlyArray2<'py, f64>)>;
-type Colors<'py> = Option<PyReadonlyArray2<'py, u8>>;
+/// Fields of vertices or of faces by name: numbers, vectors, and colours.
+type Named<'py> = (
+    Vec<(String, PyReadonlyArray1<'py, f64>)>,
+    Vec<(String, PyReadonlyArray2<'py, f64>)>,
+    Option<PyReadonlyArray2<'py, u8>>,
+);
+
+/// Fields of vertices, fields of faces, and texture coordinates of corners.
+type Fields<'py> = (Named<'py>, Named<'py>, Option<PyReadonlyArray2<'py, f64>>);
 
 #[pymethods]
 impl Mesh {
@@ -188,19 +193,16 @@ impl Mesh {
         as_dict(py, &d)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn write(
         &self,
         py: Python<'_>,
         path: PathBuf,
-        scalars: Scalars<'_>,
-        vectors: Vectors<'_>,
-        colors: Colors<'_>,
+        given: Fields<'_>,
         ascii: bool,
         width: &str,
         call: Call,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
-        let fields = fields(scalars, vectors, colors)?;
+        let fields = fields(given)?;
         let options = write_options(ascii, width)?;
         let mesh = self.share();
         call.run(py, move || {
@@ -209,19 +211,16 @@ impl Mesh {
         })
     }
 
-    #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn to_bytes<'py>(
         &self,
         py: Python<'py>,
         format: &str,
-        scalars: Scalars<'_>,
-        vectors: Vectors<'_>,
-        colors: Colors<'_>,
+        given: Fields<'_>,
         ascii: bool,
         width: &str,
         call: Call,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let fields = fields(scalars, vectors, colors)?;
+        let fields = fields(given)?;
         let options = write_options(ascii, width)?;
         let format: Format = named(format)?;
         let mesh = self.share();
@@ -249,18 +248,22 @@ fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
     Ok(options)
 }
 
-fn fields(scalars: Scalars<'_>, vectors: Vectors<'_>, colors: Colors<'_>) -> Result<VertexFields> {
+fn fields((of_vertices, of_faces, texture): Fields<'_>) -> Result<VertexFields> {
+    let numbers = |named: &Named<'_>| named.0.iter().map(|(n, v)| (n.clone(), values(v))).collect();
+    let vectors = |named: &Named<'_>| {
+        named.1.iter().map(|(n, v)| Ok((n.clone(), triples(v)?))).collect::<Result<_>>()
+    };
+    let colors = |named: &Named<'_>| named.2.as_ref().map(triples).transpose();
     let mut fields = VertexFields::default();
-    for (name, array) in scalars {
-        fields = fields.with_scalar(name, values(&array));
-    }
-    for (name, array) in vectors {
-        fields = fields.with_vector(name, triples(&array)?);
-    }
-    Ok(match colors {
-        Some(colors) => fields.with_colors(triples(&colors)?),
-        None => fields,
-    })
+    fields.scalars = numbers(&of_vertices);
+    fields.vectors = vectors(&of_vertices)?;
+    fields.colors = colors(&of_vertices)?;
+    fields.faces.scalars = numbers(&of_faces);
+    fields.faces.vectors = vectors(&of_faces)?;
+    fields.faces.colors = colors(&of_faces)?;
+    fields.faces.texture =
+        texture.map(|t| t.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect());
+    Ok(fields)
 }
 
 fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> {
@@ -295,25 +298,36 @@ fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
-/// Result of a reader: the mesh, its fields and the report.
-type FileParts<'py> = (
-    Mesh,
+/// Fields of vertices or of faces, for Python.
+type PyNamed<'py> = (
     Vec<(String, Bound<'py, PyArray1<f64>>)>,
     Vec<(String, Bound<'py, PyArray2<f64>>)>,
     Option<Bound<'py, PyArray2<u8>>>,
-    Bound<'py, PyDict>,
 );
 
+/// Result of a reader: the mesh, the fields of vertices and of faces, texture coordinates of
+/// corners, and the report.
+type FileParts<'py> =
+    (Mesh, PyNamed<'py>, PyNamed<'py>, Option<Bound<'py, PyArray2<f64>>>, Bound<'py, PyDict>);
+
+fn named_fields(
+    py: Python<'_>,
+    scalars: Vec<(String, Vec<f64>)>,
+    vectors: Vec<(String, Vec<[f64; 3]>)>,
+    colors: Option<Vec<[u8; 3]>>,
+) -> PyResult<PyNamed<'_>> {
+    let scalars = scalars.into_iter().map(|(n, v)| (n, column(py, v))).collect();
+    let vectors = vectors.into_iter().map(|(n, v)| Ok((n, rows(py, v)?)));
+    Ok((scalars, vectors.collect::<PyResult<_>>()?, colors.map(|c| rows(py, c)).transpose()?))
+}
+
 fn parts(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
-    let MeshFile { mesh, fields, mut report, .. } = file;
-    if !fields.faces.is_empty() {
-        report.notes.push("fields of faces are left out".to_owned());
-    }
-    let scalars = fields.scalars.into_iter().map(|(n, v)| (n, column(py, v))).collect();
-    let vectors = fields.vectors.into_iter().map(|(n, v)| Ok((n, rows(py, v)?)));
-    let vectors = vectors.collect::<PyResult<_>>()?;
-    let colors = fields.colors.map(|colors| rows(py, colors)).transpose()?;
-    Ok((mesh.into(), scalars, vectors, colors, report_dict(py, &report)?))
+    let MeshFile { mesh, fields, report, .. } = file;
+    let faces = fields.faces;
+    let of_vertices = named_fields(py, fields.scalars, fields.vectors, fields.colors)?;
+    let of_faces = named_fields(py, faces.scalars, faces.vectors, faces.colors)?;
+    let texture = faces.texture.map(|texture| rows(py, texture)).transpose()?;
+    Ok((mesh.into(), of_vertices, of_faces, texture, report_dict(py, &report)?))
 }
 
 fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py, PyDict>> {

@@ -51,7 +51,8 @@ fn numbers<'py>(py: Python<'py>, elements: &[Option<u32>]) -> Bound<'py, PyArray
 
 /// The mesh with fair patches, the report, the vertex whose fields each vertex takes, and whether
 /// normals still fit.
-type PyRepaired<'py> = (Mesh, Bound<'py, PyDict>, Bound<'py, PyArray1<u32>>, bool);
+type PyRepaired<'py> =
+    (Mesh, Bound<'py, PyDict>, (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<usize>>), bool);
 
 #[pyfunction(name = "repair")]
 fn repair_mesh<'py>(
@@ -61,14 +62,15 @@ fn repair_mesh<'py>(
     call: Call,
 ) -> PyResult<PyRepaired<'py>> {
     let (mesh, options) = (mesh.share(), steps.into());
-    let (repaired, faired, nearest) = call.run(py, move || {
+    let (repaired, faired, nearest, corners) = call.run(py, move || {
         let repaired = repair(&mesh, &options)?;
         let faired = match repaired.patch_vertices() {
             patch if patch.is_empty() => Ok(repaired.mesh.clone()),
             patch => fair_region(&repaired.mesh, &FairRegion::new(patch)).map(|found| found.mesh),
         };
         let nearest = repaired.nearest_sources();
-        Ok((repaired, faired, nearest))
+        let corners = repaired.nearest_corners(&mesh);
+        Ok((repaired, faired, nearest, corners))
     })?;
     let keeps_normals = !repaired.changes_normals();
     let unchanged = repaired.is_unchanged();
@@ -85,7 +87,8 @@ fn repair_mesh<'py>(
     report.set_item("face_sources", numbers(py, &face_sources))?;
     let flat = faired.as_ref().err().map(ToString::to_string);
     report.set_item("flat_patches", flat)?;
-    Ok((faired.unwrap_or(mesh).into(), report, column(py, nearest), keeps_normals))
+    let sources = (column(py, nearest), column(py, corners));
+    Ok((faired.unwrap_or(mesh).into(), report, sources, keeps_normals))
 }
 
 /// Labels of vertices, -1 for isolated ones, and of faces.

@@ -7,6 +7,7 @@ import gc
 import gzip
 import pickle
 import weakref
+from pathlib import Path
 
 import numpy as np
 import pyfairing as pf
@@ -281,3 +282,61 @@ def test_faces_with_corners_of_their_own(sphere: pf.Mesh) -> None:
     back = soup.with_vertices(mesh.smooth().vertices[index])
     expected = sphere.smooth().vertices[sphere.faces].reshape(-1, 3)
     assert np.allclose(back.vertices, expected, atol=1e-12)
+
+
+def test_fields_of_faces_survive_a_round_trip(tmp_path: Path) -> None:
+    colors = np.array([[255, 0, 1], [2, 3, 4]], np.uint8)
+    texture = np.arange(12.0).reshape(2, 3, 2)
+    given = {"quality": [0.1, 1e300], "normal": [[0, 0, 1], [0, 1, 0]], "colors": colors, "texture": texture}
+    mesh = pf.Mesh(V, F, {"height": V[:, 2]}, given)
+    assert repr(mesh).endswith("fields height, face fields quality, normal, colors, texture)")
+    mesh.write(tmp_path / "a.ply")
+    meshio = pytest.importorskip("meshio")
+    for again in (
+        pf.read(tmp_path / "a.ply"),
+        pf.read_bytes(mesh.to_bytes("ply", ascii=True), "a.ply"),
+        pickle.loads(pickle.dumps(mesh)),
+        pf.Mesh(mesh),
+        pf.Mesh(mesh.to_meshio()),
+        pf.Mesh(V, F, {"height": V[:, 2]}).with_face_fields(given),
+    ):
+        assert list(again.face_fields) == list(given) and list(again.fields) == ["height"]
+        for name, values in given.items():
+            found = again.face_fields[name]
+            np.testing.assert_array_equal(found, values)
+            assert not found.flags.writeable and found.dtype == (np.uint8 if name == "colors" else np.float64)
+    with pytest.warns(pf.FairingWarning, match="cannot hold .*quality of faces"):
+        mesh.write(tmp_path / "a.obj")
+    assert "normal" not in mesh.with_vertices(V + 1).face_fields and "quality" in mesh.smooth().face_fields
+    meshio.write(tmp_path / "b.vtu", mesh.to_meshio())
+
+
+def test_fields_of_faces_follow_their_faces() -> None:
+    texture = np.arange(18.0).reshape(3, 3, 2)
+    faces = [[0, 1, 2], [1, 2, 3], [0, 1, 2]]
+    mesh = pf.Mesh(V, faces, face_fields={"n": [0, 1, 2], "texture": texture, "normal": np.eye(3)})
+    part, _ = mesh.submesh([1])
+    assert part.face_fields["n"].tolist() == [1.0]
+    np.testing.assert_array_equal(part.face_fields["texture"], texture[1:2])
+    # One face is turned over, and the third one dropped.
+    whole = mesh.repair()
+    assert (whole.faces != faces[:2]).any()
+    assert list(whole.face_fields) == ["n", "texture"] and whole.face_fields["n"].tolist() == [0.0, 1.0]
+    for face in (0, 1):
+        for corner, vertex in enumerate(whole.faces[face]):
+            expected = texture[face][faces[face].index(vertex)]
+            np.testing.assert_array_equal(whole.face_fields["texture"][face][corner], expected)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"a": [1.0]}, r"the face field a has the shape \(1,\), but must have \(2,\) or \(2, 3\)"),
+        ({"a": [1.0, np.nan]}, "the face field a is nan at 1"),
+        ({"texture": np.zeros((2, 3))}, r"texture has the shape \(2, 3\), but must have \(2, 3, 2\)"),
+        ({"colors": np.zeros((4, 3), np.uint8)}, r"colors are uint8 of shape \(4, 3\)"),
+    ],
+)
+def test_fields_of_faces_are_checked(given: dict[str, object], message: str) -> None:
+    with pytest.raises(pf.OptionError, match=message):
+        pf.Mesh(V, F, face_fields=given)

@@ -8,10 +8,11 @@ use fairing_smoothing::{ConformalizedMcf, conformalized_mean_curvature_flow};
 use glam::DVec3;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS};
+use super::seen;
 use crate::experiment::Context;
 use crate::outcome::Picture;
 use crate::row;
-use crate::table::{Table, Tolerance, Unit};
+use crate::table::{Table, Tolerance, Unit, brief};
 use crate::view::{Panel, Slider, View};
 
 /// The id of the view within the experiment.
@@ -74,6 +75,22 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
     radii.iter().map(|r| r / mean - 1.0).collect()
 }
 
+/// How round the sphere is after so many steps each, as a sentence.
+fn rounded(errors: &[(usize, f64)]) -> String {
+    let Some(((_, settled), others)) = errors.split_last() else { return String::new() };
+    let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);
+    let percent = |off: &f64| format!("{:.0}", 100.0 * off);
+    let numbers: Vec<String> = others.iter().map(|(_, off)| percent(off)).collect();
+    let steps: Vec<String> = others.iter().map(|(n, _)| n.to_string()).collect();
+    format!(
+        "The farthest vertex is {} % off the mean sphere after {} steps, {} % when the flow has settled{}.",
+        seen::list(&numbers),
+        seen::list(&steps),
+        brief(100.0 * settled),
+        if falling { "" } else { ": the way there is not straight" }
+    )
+}
+
 fn farthest(mesh: &TriMesh) -> f64 {
     off_sphere(mesh).into_iter().fold(0.0, |most, off| most.max(off.abs()))
 }
@@ -89,6 +106,10 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
         n => n.to_string(),
     };
     let titles: Vec<String> = STOPS.map(words).to_vec();
+    let of = |(n, mesh): (&usize, &TriMesh)| (*n, farthest(mesh));
+    let all_errors: Vec<(usize, f64)> = STOPS.iter().zip(&meshes).map(of).collect();
+    let drawn_errors: Vec<(usize, f64)> =
+        all_errors.iter().copied().filter(|(n, _)| DRAWN.contains(n)).collect();
     let drawn = STOPS.iter().zip(&titles).zip(&meshes).filter(|((n, _), _)| DRAWN.contains(n));
     let looks = drawn.map(|((_, title), mesh)| Look { title, mesh, coloring: None }).collect();
     let picture = Gallery {
@@ -100,7 +121,7 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
     }
     .draw(
         "conformal",
-        "The bumps go, and what is left is a round sphere. A bumpy sphere after some numbers of steps of conformalised mean curvature flow.",
+        &format!("The bumps go first, the length last. {} A bumpy sphere after some numbers of steps of conformalised mean curvature flow.", rounded(&drawn_errors)),
         "Four pictures of a bumpy sphere that becomes round.",
     )?;
     let worst = meshes.iter().map(|mesh| Some(100.0 * farthest(mesh))).collect();
@@ -110,8 +131,12 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
     let view = View {
         id: VIEW.into(),
         mesh: "smooth bumpy sphere".into(),
-        caption: "The colours fade to grey as the steps go on, and grey is round. A bumpy sphere under conformalised mean curvature flow; red is outside its mean sphere, blue inside.".into(),
-        alt: "A bumpy sphere that becomes round, with a slider over steps, beside its beginning.".into(),
+        caption: format!(
+            "Red is outside the mean sphere, blue inside, grey is round. {} A bumpy sphere under conformalised mean curvature flow.",
+            rounded(&all_errors)
+        ),
+        alt: "A bumpy sphere that becomes round, with a slider over steps, beside its beginning."
+            .into(),
         fallback: "conformal".into(),
         z_up: true,
         sliders: vec![Slider::new("steps", titles)],
@@ -125,4 +150,18 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
         ..View::default()
     };
     Ok((picture, view))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The distance may grow on the way; the caption does not call that a fall.
+    #[test]
+    fn the_caption_has_the_distances() {
+        let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]);
+        let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, 0.25 % when the flow has settled: the way there is not straight.";
+        assert_eq!(text, expected);
+        assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).contains("not straight"));
+    }
 }

@@ -34,7 +34,7 @@ const ROUNDING: f64 = 1e-8;
 fn section() -> Section {
     Section::new(
         Act::Curvature,
-        "Cotangents and angle defects look one edge far. What do estimators gain that fit a surface \
+        "Cotangents and angle defects use direct neighbours only. What do estimators gain that fit a surface \
                 to more neighbours?",
     )
     .commands(&["fairing curvature --list  # all of them, with their parameters", "fairing curvature mesh.ply -o curved.ply --estimator jet3"])
@@ -51,7 +51,7 @@ impl Experiment for Estimators {
             id: "estimators",
             title: "Curvature estimators side by side",
             question: "Which estimator converges on real meshes, and when should each be used?",
-            method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges can be trusted at every vertex.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
+            method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges leaves no vertex wrong in the limit.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"\text{order} = \frac{\log(\varepsilon_1 / \varepsilon_2)}{\log(h_1 / h_2)}".into()],
             section: section(),
             inputs: &[],
@@ -148,7 +148,7 @@ impl Experiment for Estimators {
         )
         .finding(match reaching.is_empty() {
             true => "None of the estimators does.".to_string(),
-            false => format!("Only fitted polynomials of higher degree do: {}.", reaching.join(" and ")),
+            false => format!("{} of the {} estimators do, for both H and K: {}.", reaching.len(), Estimator::all().len(), reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and ")),
         })
         .ours()
         .shown(Shown::line("estimators", "largest-mean", best));
@@ -158,6 +158,16 @@ impl Experiment for Estimators {
             judgement = judgement.number(&format!("least order of {name}"), order, Unit::Order);
         }
         Ok(vec![judgement])
+    }
+}
+
+/// An estimator in words, where its name is short for them.
+fn in_words(name: &str) -> &str {
+    match name {
+        "jet2" => "quadratic jets",
+        "jet3" => "cubic jets",
+        "jet4" => "quartic jets",
+        other => other,
     }
 }
 
@@ -397,7 +407,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "A line that falls to the left converges, at second order if it falls like the dashed one; a level line does not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
+            "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
             short(ROUNDING)
         ),
         &format!(

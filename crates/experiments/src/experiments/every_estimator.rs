@@ -7,6 +7,7 @@ use fairing_operators::surface::PointCurvature;
 
 use super::gallery;
 use super::samples::{Layout, Sample};
+use super::seen;
 use super::surfaces::TestSurface;
 use crate::experiment::Context;
 use crate::outcome::Picture;
@@ -53,13 +54,14 @@ impl EveryEstimator {
             let status = (field.status.clone(), field.boundary.clone());
             (Estimator::all()[i].name(), ScalarCurvature::new(errors, status.0, status.1))
         });
+        let caption = format!(
+            "Colour is error. {} The error of H on a torus with jittered vertices.",
+            seen::errors(&[(baseline.0, &baseline.1.values), (chosen.0, &chosen.1.values)])
+        );
         gallery::errors(
             "torus",
-            &format!(
-                "What is not grey is wrong. The error of H on a torus with jittered vertices, by {} and by {}.",
-                baseline.0, chosen.0
-            ),
-            "A torus twice, coloured by errors: more on the left than on the right.",
+            &caption,
+            "A torus twice, coloured by the errors of two estimators.",
             &self.mesh,
             &[baseline, chosen],
             occlusion,
@@ -74,7 +76,7 @@ impl EveryEstimator {
             id: "torus-view".into(),
             mesh: "fine jittered torus".into(),
             caption: format!(
-                "What is not grey is wrong. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
+                "Colour is error. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
             ),
             alt: "A torus twice, to turn, coloured by the error of curvature, with a slider over estimators.".into(),
             fallback: "torus".into(),

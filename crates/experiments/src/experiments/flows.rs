@@ -14,6 +14,7 @@ use glam::DVec3;
 use super::conformal;
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
 use super::refinement::second_order;
+use super::seen;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
@@ -54,8 +55,8 @@ impl Experiment for Flows {
         Card {
             id: "flows",
             title: "Flows against theory, and beside each other",
-            question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
-            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
+            question: "Do the flows converge to what they discretise, and what does each cost in shape?",
+            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with the exact radius r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[],
@@ -113,7 +114,7 @@ impl Experiment for Flows {
             .number("greatest order", most, Unit::Order),
             Judgement::new(
                 "conformal",
-                "Conformalised mean curvature flow takes genus 0 to the round sphere",
+                "Conformalised mean curvature flow turns sphere-like meshes into round spheres",
                 judge(worst < ROUND),
                 format!("When it settles, no vertex is off the sphere by more than {} of its radius.", brief(worst)),
             )
@@ -196,12 +197,18 @@ fn radius(spheres: &Table) -> Result<Picture> {
         ..Plot::default()
     };
     plot.series.extend(second_order(&plot.series));
+    let to_see = match spheres.numbers("order")?.iter().all(|order| (1.8..2.2).contains(order)) {
+        true => "The line is as steep as the dashed one",
+        false => "The line is not as steep as the dashed one",
+    };
     let mut figure = Figure::default();
     figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
     plotted(
         &figure,
         "radius",
-        "The line is as steep as the dashed one: half the edge length leaves a quarter of the error. The radius of the unit sphere under mean curvature flow against √(1 − 4t) at the end, with time steps in proportion to h².",
+        &format!(
+            "{to_see}: at second order half the edge length leaves a quarter of the error. The radius of the unit sphere under mean curvature flow against √(1 − 4t) at the end, with time steps in proportion to h²."
+        ),
         "A plot of error over mean edge length on logarithmic axes, with a dashed line of second order.",
     )
 }
@@ -243,13 +250,24 @@ fn view(context: &Context<'_>) -> Result<View> {
         }
         Ok(panel.with_fact("normal error", "°", angles).with_fact("volume", "%", volumes))
     };
+    // The body is star-shaped about the origin.
+    let inside = |method: &str| -> Result<f64> {
+        let found = results.iter().find(|(name, _)| name == method);
+        let (_, mesh) = found.with_context(|| format!("there is no {method}"))?;
+        let pairs = mesh.positions().iter().zip(truth.positions());
+        let within =
+            |(p, q): &(&[f64; 3], &[f64; 3])| DVec3::from(**p).length() < DVec3::from(**q).length();
+        Ok((100.0 * pairs.filter(within).count() as f64 / truth.vertex_count() as f64).round())
+    };
     let meshes: Vec<&TriMesh> = results.iter().map(|(_, mesh)| mesh).collect();
     let after = Panel::moving("result", &truth, meshes.iter().map(|mesh| mesh.positions()));
     Ok(View {
         id: "methods-view".into(),
         mesh: "bumpy sphere".into(),
         caption: format!(
-            "Implicit diffusion turns blue all over, because it shrinks; Taubin's steps do not. Red is outside the true surface, blue inside. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            "Red is outside the true surface, blue inside. After implicit diffusion {} % of the vertices are inside, after Taubin's steps {} %: diffusion shrinks. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            brief(inside("implicit")?),
+            brief(inside("taubin")?),
             truth.vertex_count()
         ),
         alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),
@@ -296,11 +314,33 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
         "methods",
-        "Diffusion shrinks the sphere, Taubin's steps and HC do not. A bumpy sphere with noise, and after some of the methods with their default options.",
-        "Five pictures: a rough sphere with bumps, and smoother ones of which some have shrunk.",
+        &format!("{} A bumpy sphere with noise, and after some of the methods with their default options.", volumes(&table, &shown)?),
+        "Five pictures: a rough sphere with bumps, and after four methods.",
     )?;
     Ok((table, picture))
 }
+
+/// The volumes after some methods, as a sentence.
+fn volumes(table: &Table, methods: &[&str]) -> Result<String> {
+    let (mut shrunk, mut kept) = (vec![], vec![]);
+    for &method in methods.iter().filter(|name| **name != "input") {
+        let change = table.value(&[("method", method.into())], "volume")?;
+        let words = format!("{method} ({} %)", brief(change));
+        if change < -VISIBLE { shrunk.push(words) } else { kept.push(words) }
+    }
+    Ok(match (shrunk.is_empty(), kept.is_empty()) {
+        (false, false) => format!(
+            "Smoothed by {} the sphere has shrunk; by {} it has not.",
+            seen::list(&shrunk),
+            seen::list(&kept)
+        ),
+        (false, true) => format!("It has shrunk by every method: {}.", seen::list(&shrunk)),
+        _ => format!("It has kept its volume by every method: {}.", seen::list(&kept)),
+    })
+}
+
+/// A loss of volume above this is visible, in percent.
+const VISIBLE: f64 = 5.0;
 
 const FORMULAS: [&str; 1] =
     [r"\frac{\partial x}{\partial t} = \Delta x = -2Hn, \qquad r(t) = \sqrt{r_0^2 - 4t}"];

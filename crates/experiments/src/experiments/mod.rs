@@ -27,6 +27,7 @@ mod over_lambda;
 mod refinement;
 mod restoring;
 mod samples;
+mod seen;
 mod spread;
 mod statistics;
 mod surfaces;

@@ -30,7 +30,7 @@ pub(super) fn view(context: &Context<'_>) -> Result<View> {
         id: VIEW.into(),
         mesh: "creature".into(),
         caption: format!(
-            "The creature grows out of its smoothest modes, trunk first, then limbs. Drag k: the sum is computed in the page. The colours are the mode that is being added; it has up to {count} of {} modes. The plot shows how much of the shape is in each mode.",
+            "The creature grows out of its smoothest modes, the coarse shape first, details last. Drag k: the sum is computed in the page. The colours are the mode that is being added; it has up to {count} of {} modes. The plot shows how much of the shape is in each mode.",
             mesh.vertex_count()
         ),
         alt: "A creature from a number of modes that can be dragged, beside the original.".into(),

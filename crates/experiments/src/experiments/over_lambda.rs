@@ -407,12 +407,14 @@ const LOST: f64 = 0.5;
 /// A loss of area above this is visible, in percent.
 const SHRUNK: f64 = 20.0;
 
+/// A change of area below this leaves nothing to see, in percent.
+const VANISHED: f64 = -99.5;
+
 /// The effect visible in pictures of a mesh after steps of these λ, from what was measured on the
 /// input and after each of them.
 fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     let Some((input, after)) = measured.split_first() else { return String::new() };
     let runs = || lambdas.iter().copied().zip(after);
-    let exploded: Vec<f64> = runs().filter(|r| r.1.growth > DIVERGED).map(|r| r.0).collect();
     let points: Vec<f64> = runs().filter(|r| r.1.growth < POINT).map(|r| r.0).collect();
     let shapes: Vec<(f64, &Measures)> =
         runs().filter(|r| (POINT..=DIVERGED).contains(&r.1.growth)).collect();
@@ -438,19 +440,21 @@ fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     }
     let area = |m: &Measures| m.area.unwrap_or(0.0);
     if let Some((lambda, m)) = shapes.last().filter(|(_, m)| area(m) < -SHRUNK) {
-        sentences.push(format!(
-            "Long steps shrink it: at λ = {} its area has changed by {} %.",
-            brief(*lambda),
-            brief(area(m))
-        ));
+        let words = match area(m) < VANISHED {
+            true => "all but vanished".to_string(),
+            false => format!("changed by {} %", brief(area(m))),
+        };
+        sentences
+            .push(format!("Long steps shrink it: at λ = {} its area has {words}.", brief(*lambda)));
     }
     if let [first, others @ ..] = &points[..] {
         let more = if others.is_empty() { "" } else { " and more" };
         sentences
             .push(format!("At λ = {}{more} it is a point, with nothing to draw.", brief(*first)));
     }
-    if let Some(lambda) = exploded.first() {
-        sentences.push(format!("At λ = {} it explodes.", brief(*lambda)));
+    if let Some((lambda, m)) = runs().find(|r| r.1.growth > DIVERGED) {
+        let line = if area(m) < 0.0 { " into a line, with nothing to draw" } else { "" };
+        sentences.push(format!("At λ = {} it explodes{line}.", brief(lambda)));
     }
     sentences.join(" ")
 }

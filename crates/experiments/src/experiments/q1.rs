@@ -10,6 +10,7 @@ use fairing_operators::curvature::{
 
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity};
+use super::seen;
 use super::spread;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
@@ -153,7 +154,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             self.name,
-            &format!("Equalised colours show differences that are not there: half of the vertices are red whatever the values. The {} as in Figure 1 of the original report: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas, from two viewpoints.", self.name),
+            &format!("{} The {} as in Figure 1 of the original report: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas, from two viewpoints.", seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)]), self.name),
             &format!("Six pictures of the {}: plain, coloured by mean and by Gaussian curvature, from two sides.", self.name),
         )
     }
@@ -173,7 +174,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             &format!("{}-signed", self.name),
-            &format!("Grey is zero: colours on a plane are errors, and speckle on a smooth surface is one, too. The {} with signed curvature; the range is that of the inner vertices between the 2nd and the 98th percentile.", self.name),
+            &format!("{} The {} with signed curvature; the range is that of the inner vertices between the 2nd and the 98th percentile.", seen::signed(self.scaled, self.gaussian), self.name),
             &format!("Six pictures of the {}: plain, coloured by signed mean and by Gaussian curvature, from two sides.", self.name),
         )
     }
@@ -203,7 +204,8 @@ impl<'a> Pictures<'a> {
             id: format!("{}-view", self.name),
             mesh: self.name.into(),
             caption: format!(
-                "There is speckle where neighbours differ although the surface does not: it follows the shape of the triangles. The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect.",
+                "{} The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect. The length ‖Δx‖/2 follows the size of the triangles, not the shape.",
+                seen::signed(self.scaled, self.gaussian),
                 self.name
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),

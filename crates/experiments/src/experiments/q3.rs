@@ -11,6 +11,7 @@ use fairing_shapes as shapes;
 
 use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};
+use super::seen;
 use super::spread;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
@@ -275,12 +276,11 @@ fn pictures(
     cotangent: &MeanCurvature,
 ) -> Result<[Picture; 2]> {
     let norms = sizes(cotangent);
-    let to_see = match is_flat(mesh, uniform, cotangent) {
-        true => {
-            "What looks like an artefact of cotangents is the border: nothing inside has a colour of its own."
-        }
-        false => "Equalised colours show where the surface bends more, and not by how much.",
+    let flat = match is_flat(mesh, uniform, cotangent) {
+        true => " What looks like an artefact of cotangents is the border.",
+        false => "",
     };
+    let to_see = seen::equalised(&[("‖Δx‖/2", &norms)]) + flat;
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
     let gallery =
         |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3, occlusion: true };
@@ -321,7 +321,7 @@ fn pictures(
     ])
     .draw(
         &format!("{name}-signed"),
-        &format!("Grey is zero. Where triangles are uneven, uniform weights change colour from vertex to vertex, cotangents with the shape. Signed mean curvature of the {name}; each range is that of the inner vertices between the 2nd and the 98th percentile."),
+        &format!("{} Signed mean curvature of the {name}; each range is that of the inner vertices between the 2nd and the 98th percentile.", seen::agreement(&uniform, &cotangent)),
         &format!("Six pictures of the {name}: plain, coloured by the uniform and by the cotangent mean curvature, from two sides."),
     )?;
     Ok([assignment, diverging])
@@ -352,9 +352,12 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
     };
     let to_see = match flat {
         true => {
-            "Only the border has colours: inside, both operators give zero, and the signed value is zero everywhere."
+            "Only the border has colours: inside, both operators give zero, and the signed value is zero everywhere.".to_string()
         }
-        false => "The speckle of uniform weights on the left is gone with cotangents on the right.",
+        false => seen::agreement(
+            &uniform.clone().into_signed(),
+            &cotangent.clone().into_signed(),
+        ),
     };
     View {
         id: format!("{name}-view"),
@@ -380,23 +383,41 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
         mesh.positions().iter().map(|&p| surface.exact(p).map(|c| c.mean())).collect();
     let exact = exact.context("a vertex off the torus")?;
     let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let panel = |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature)> {
-        let mean = operator(&mesh)?;
-        let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
-        let error = 100.0
-            * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
-        let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
-        let panel = Panel::still(title, &mesh)
-            .with_field("mean curvature", "1/mesh units", true, &mean.signed)
-            .exactly(exact.clone())
-            .with_fact("RMS error", "%", vec![Some(error)]);
-        Ok((panel, error, gaps))
+    let panel =
+        |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature, [f64; 2])> {
+            let mean = operator(&mesh)?;
+            let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
+            let error = 100.0
+                * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
+            let halves = [true, false].map(|outer| {
+                let own = gaps
+                    .iter()
+                    .zip(mesh.positions())
+                    .filter(|(_, p)| (libm::hypot(p[0], p[1]) > 1.0) == outer);
+                let (sum, count) = own.fold((0.0, 0.0), |(s, n), (gap, _)| (s + gap, n + 1.0));
+                sum / count
+            });
+            let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
+            let panel = Panel::still(title, &mesh)
+                .with_field("mean curvature", "1/mesh units", true, &mean.signed)
+                .exactly(exact.clone())
+                .with_fact("RMS error", "%", vec![Some(error)]);
+            Ok((panel, error, gaps, halves))
+        };
+    let (uniform, first, theirs, [outer, inner]) = panel("uniform", SCALED)?;
+    let (cotangent, second, ours, _) = panel("cotangent", MIXED)?;
+    let by = |gap: f64| {
+        format!("{} {}", brief(gap.abs()), if gap < 0.0 { "too low" } else { "too high" })
     };
-    let (uniform, first, theirs) = panel("uniform", SCALED)?;
-    let (cotangent, second, ours) = panel("cotangent", MIXED)?;
     let picture = gallery::errors(
         "torus",
-        "Uniform weights are wrong on the whole torus, cotangents hardly anywhere: grey is zero. The error of H on a jittered torus.",
+        &format!(
+            "Uniform weights are wrong on the whole torus, on the mean {} outside and {} around the hole; cotangents are off in spots only. In the root mean square that is {} % of H against {} %. The error of H on a jittered torus; grey is zero.",
+            by(outer),
+            by(inner),
+            brief(first),
+            brief(second)
+        ),
         "A torus twice, coloured by errors: far more on the left.",
         &mesh,
         &[("uniform", theirs), ("cotangent", ours)],
@@ -406,7 +427,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
         id: "torus-view".into(),
         mesh: "coarse jittered torus".into(),
         caption: format!(
-            "What is not grey is wrong: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
+            "Colour is error: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
             brief(first),
             brief(second)
         ),

@@ -20,6 +20,7 @@ use super::gap;
 use super::mode_sums;
 use super::models::slug;
 use super::refinement::second_order;
+use super::seen;
 use super::surfaces::{Sampling, TestSurface};
 use super::torus;
 use crate::experiment::{Card, Context, Experiment};
@@ -339,9 +340,13 @@ impl<'a> Rebuilt<'a> {
 
     /// Pictures, the view, and files.
     fn show(self, outcome: &mut Outcome, occlusion: bool, with_modes: bool) -> Result<()> {
-        let Self { name, id, mesh, modes, stops, meshes, .. } = self;
-        outcome.figures.push(picture(&id, name, mesh, &stops, &meshes, occlusion)?);
-        outcome.views.push(view(&id, name, mesh, &stops, &meshes));
+        let Self { name, id, mesh, modes, stops, meshes, predicted } = self;
+        let diagonal = mesh.diagonal();
+        let errors: Vec<(usize, f64)> =
+            stops.iter().map(|&k| (k, predicted[k] / diagonal)).collect();
+        let to_see = seen::reconstructions(name, &errors);
+        outcome.figures.push(picture(&id, name, &to_see, mesh, &stops, &meshes, occlusion)?);
+        outcome.views.push(view(&id, name, &to_see, mesh, &stops, &meshes));
         if with_modes {
             outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
         }
@@ -402,6 +407,7 @@ fn sphere(context: &Context<'_>, finest: u32) -> Result<Table> {
 fn picture(
     id: &str,
     name: &str,
+    to_see: &str,
     mesh: &TriMesh,
     stops: &[usize],
     rebuilt: &[TriMesh],
@@ -420,8 +426,8 @@ fn picture(
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
-        &format!("With few modes the {name} is a blob; limbs come before details (Figure 4 of the original report). From k modes, and the original, from two viewpoints."),
-        &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
+        &format!("{to_see} The {name} from k modes, and the original, from two viewpoints (Figure 4 of the original report)."),
+        &format!("Pictures of the {name}: the more modes, the closer it comes to the original."),
     )
 }
 
@@ -450,6 +456,15 @@ fn modes_picture(
             (format!("mode {i}, ω = {}", brief(modes.values[i])), field)
         })
         .collect();
+    let changes: Vec<usize> =
+        fields.iter().map(|(_, field)| sign_changes(mesh, &field.values)).collect();
+    let rising = changes.windows(2).all(|w| w[0] < w[1]);
+    let to_see = match (rising, changes.first(), changes.last()) {
+        (true, Some(first), Some(last)) => format!(
+            "The larger the eigenvalue, the more often the sign changes: across {first} edges in the first mode drawn, across {last} in the last."
+        ),
+        _ => "Each mode divides the surface in its own way.".into(),
+    };
     let options =
         ScaleOptions { limits: Limits::Fixed { low: -1.0, high: 1.0 }, ..ScaleOptions::SIGNED };
     let looks = fields
@@ -468,9 +483,15 @@ fn modes_picture(
         .collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         &format!("{id}-modes"),
-        &format!("The larger the eigenvalue, the more often the sign changes. Modes of the {name}, from two viewpoints; signs are arbitrary, and so is the basis where eigenvalues are equal."),
-        &format!("The {name} coloured from blue to red: first in halves, then limb by limb, then in many patches."),
+        &format!("{to_see} Modes of the {name}, from two viewpoints; signs are arbitrary, and so is the basis where eigenvalues are equal."),
+        &format!("The {name} five times from two sides, coloured from blue to red by one mode each."),
     )
+}
+
+/// The number of edges across which a field changes its sign.
+fn sign_changes(mesh: &TriMesh, values: &[f64]) -> usize {
+    let changes = |edge: &&[u32; 2]| values[edge[0] as usize] * values[edge[1] as usize] < 0.0;
+    mesh.topology().edges().iter().filter(changes).count()
 }
 
 /// Eigenvalues and the energies of the positions in each cluster of them. The coefficients of
@@ -495,12 +516,19 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
     })
 }
 
-fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {
+fn view(
+    id: &str,
+    name: &str,
+    to_see: &str,
+    mesh: &TriMesh,
+    stops: &[usize],
+    rebuilt: &[TriMesh],
+) -> View {
     View {
         id: format!("{id}-view"),
         mesh: name.into(),
         caption: format!(
-            "What is missing at small k are limbs, then details: the {name} from k modes (Figure 4 of the original report), beside the whole mesh."
+            "{to_see} The {name} from k modes (Figure 4 of the original report), beside the whole mesh."
         ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),
@@ -548,10 +576,10 @@ fn decay(curves: Vec<Series>) -> Result<Picture> {
     };
     let mut figure = Figure::default();
     let to_see = extremes(&plot.series).map_or(String::new(), |[least, most]| {
-        format!("At {COMPARED} modes the {least} is the closest to the original, the {most} the farthest. ")
+        format!("The smoother the shape, the fewer modes it needs: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
     });
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
-    figure.panels.push(FigurePanel::drawing(plot.draw(800.0, 280.0)?));
+    figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 280.0)?));
     let picture = plotted(
         &figure,
         "decay",

@@ -172,7 +172,7 @@ pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> 
     plotted(
         &figure,
         "convergence",
-        "A line that falls to the left converges, at second order if it falls like the dashed one; a line that stays level does not. The error against exact curvature under refinement, on regular and on jittered meshes.",
+        "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. The error against exact curvature under refinement, on regular and on jittered meshes.",
         "Three plots of relative error over mean edge length on logarithmic axes, for sphere, torus and ellipsoid.",
     )
 }

@@ -152,21 +152,8 @@ fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> Vertex
     fields.scalars.retain(|(name, _)| name != "source");
     let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
     let vertices = repaired.nearest_sources();
-    let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
-    let faces: Vec<usize> = (repaired.face_sources.iter().zip(repaired.mesh.faces()))
-        .map(|(source, face)| source.unwrap_or_else(|| face_at(vertices[face[0] as usize])))
-        .map(|f| f as usize)
-        .collect();
-    let corners = faces.iter().zip(repaired.mesh.faces()).flat_map(|(&f, face)| {
-        [0, 1, 2].map(|k| {
-            // The corner of the input at the same vertex; in a flipped face there may be none.
-            let same = |v: &u32| {
-                repaired.vertices[*v as usize] == Some(face[k])
-                    || repaired.vertex_sources[face[k] as usize] == Some(*v)
-            };
-            3 * f + input.faces()[f].iter().position(same).unwrap_or(k)
-        })
-    });
+    let corners = repaired.nearest_corners(input);
+    let faces: Vec<usize> = corners.iter().step_by(3).map(|corner| corner / 3).collect();
     fields.selected(&vertices, &faces, corners).with_scalar("source", source)
 }
 

@@ -220,6 +220,25 @@ impl Repaired {
         sources.into_iter().map(Option::unwrap_or_default).collect()
     }
 
+    /// For each corner of each face in turn the corner of `input`, the mesh that was repaired,
+    /// whose properties it takes: three times its face plus its place in it. The patch of a hole
+    /// takes those of a face nearby, a flipped face without the vertex the corner at its place.
+    pub fn nearest_corners(&self, input: &TriMesh) -> Vec<usize> {
+        let vertices = self.nearest_sources();
+        let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
+        let corners = self.face_sources.iter().zip(self.mesh.faces()).flat_map(|(source, face)| {
+            let f = source.unwrap_or_else(|| face_at(vertices[face[0] as usize])) as usize;
+            [0, 1, 2].map(|k| {
+                let same = |v: &u32| {
+                    self.vertices[*v as usize] == Some(face[k])
+                        || self.vertex_sources[face[k] as usize] == Some(*v)
+                };
+                3 * f + input.faces()[f].iter().position(same).unwrap_or(k)
+            })
+        });
+        corners.collect()
+    }
+
     /// True if normals of the input no longer fit: vertices were merged, faces turned over or
     /// mended, or holes filled.
     pub fn changes_normals(&self) -> bool {

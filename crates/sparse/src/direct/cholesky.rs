@@ -38,6 +38,9 @@ pub struct SymbolicCholesky {
     analysis: Arc<Analysis>,
 }
 
+/// Rows up to which minimum degree often has the usual fill.
+const SMALL: usize = 20_000;
+
 impl SymbolicCholesky {
     /// Orders the matrix and finds the pattern of its factor. Values must be finite and symmetric,
     /// but are not used.
@@ -90,11 +93,20 @@ impl SymbolicCholesky {
     }
 
     fn with_least_fill(matrix: &SparseMatrix) -> Result<Self, SparseError> {
-        let first = Self::new(matrix, Ordering::MinimumDegree)?;
+        let dissected = || Self::new(matrix, Ordering::NestedDissection);
+        let least_degree = || Self::new(matrix, Ordering::MinimumDegree);
+        // Both are needed for most large meshes.
+        let (first, second) = match matrix.rows() > SMALL && rayon::current_num_threads() > 1 {
+            true => {
+                let (first, second) = rayon::join(least_degree, dissected);
+                (first?, Some(second))
+            }
+            false => (least_degree()?, None),
+        };
         if (first.factor_entries() as f64) < ordering::usual_fill(first.rows()) {
             return Ok(first);
         }
-        let second = Self::new(matrix, Ordering::NestedDissection)?;
+        let second = second.unwrap_or_else(dissected)?;
         Ok(if second.factor_entries() < first.factor_entries() { second } else { first })
     }
 

@@ -32,6 +32,8 @@ pub(crate) struct Problem {
     /// λ / λ'.
     pub(crate) unit: f64,
     mass_unit: f64,
+    /// The median of the diagonal of S' over the mean of M': 1 but for the rounding of the units.
+    pub(crate) rate: f64,
     /// Number of components whose constants are in the null space of S, and the component of each
     /// ordered row.
     pub(crate) constants: (usize, Vec<Option<u32>>),
@@ -53,9 +55,11 @@ impl Problem {
     pub(crate) fn new(stiffness: &SparseMatrix, mass: Mass<'_>) -> Result<Self, SparseError> {
         let n = stiffness.rows();
         mass.check(n)?;
-        let stiffness_unit = power_of_two(median_of_positive(Rows::new(stiffness).diagonal()));
+        let median = median_of_positive(Rows::new(stiffness).diagonal());
+        let stiffness_unit = power_of_two(median);
         // Division before addition, since the sum of huge masses may overflow.
-        let mass_unit = power_of_two(mass.diagonal().iter().map(|m| m / n as f64).sum());
+        let mean = mass.diagonal().iter().map(|m| m / n as f64).sum();
+        let mass_unit = power_of_two(mean);
         let scaled = |matrix: &SparseMatrix, unit: f64| matrix.map(|v| v / unit);
         let unordered_stiffness = scaled(stiffness, stiffness_unit);
         let unordered_mass = match mass {
@@ -87,6 +91,7 @@ impl Problem {
             constant_masses,
             unit: stiffness_unit / mass_unit,
             mass_unit,
+            rate: (median / stiffness_unit) / (mean / mass_unit),
             symbolic,
             unordered_stiffness,
             unordered_mass,

@@ -17,6 +17,7 @@ use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
 use crate::experiments::models::{CREASES, FEATURE};
 use crate::experiments::restoring::{Body, Method};
+use crate::experiments::seen;
 use crate::outcome::Picture;
 use crate::table::{Cell, Table};
 use crate::view::{Panel, Slider, View};
@@ -61,8 +62,8 @@ pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, Vie
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "The more noise, from row to row, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
-        "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
+        "The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "Three rows of six pictures of the machine part, one for each level: noisy, smoothed, and denoised.",
     )?;
     Ok((
         picture,
@@ -82,11 +83,11 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
     let picture = restored.draw(
         "scan",
         &format!(
-            "From row to row details go first, the outline last. The {} under three levels of noise, and after each method.",
+            "The {} under three levels of noise, and after each method.",
             scan.name
         ),
         &format!(
-            "Three rows of six pictures of the {}: at the highest level only its outline is left.",
+            "Three rows of six pictures of the {}, one for each level: noisy, smoothed, and denoised.",
             scan.name
         ),
     )?;
@@ -128,6 +129,7 @@ impl<'a> Restored<'a> {
     }
 
     fn draw(&self, id: &str, caption: &str, alt: &str) -> Result<Picture> {
+        let caption = format!("{} {caption}", self.to_see()?);
         let drawn = self.levels.iter().zip(&self.meshes).filter(|(level, _)| level.drawn);
         let rows = drawn.map(|(level, meshes)| Row {
             title: format!("σ = {}", level.name),
@@ -136,7 +138,19 @@ impl<'a> Restored<'a> {
             titles: SHOWN.map(|m| m.name().into()).to_vec(),
         });
         Grid { rows: rows.collect(), viewpoint: self.viewpoint, up: self.up, aspect: 1.0 }
-            .draw(id, caption, alt)
+            .draw(id, &caption, alt)
+    }
+
+    /// The effect visible in the picture: the errors of all results in the first and the last row.
+    fn to_see(&self) -> Result<String> {
+        let mut rows = vec![];
+        for (level, meshes) in self.levels.iter().zip(&self.meshes).filter(|(l, _)| l.drawn) {
+            let errors = meshes[1..].iter();
+            let errors = errors.map(|mesh| Ok(normal_error(mesh, &self.body.truth)?.mean));
+            rows.push((level.name.clone(), errors.collect::<Result<_>>()?));
+        }
+        let names: Vec<&str> = SHOWN[1..].iter().map(|m| m.name()).collect();
+        Ok(seen::over_levels(&rows, &names))
     }
 
     /// The noisy model, the result of a method, and the truth, with sliders for the noise and the
@@ -245,8 +259,8 @@ fn curve(
         };
         let rows = table.only(&[("mesh", mesh.as_str().into())])?;
         let best = best_somewhere(&rows, column)?;
-        let mut style = 0;
-        for method in CURVES {
+        // A method has one colour in all plots.
+        for (style, method) in CURVES.into_iter().enumerate() {
             let rows = rows.only(&[("method", method.name().into())])?;
             let (x, y) = (rows.column("σ/h")?, rows.column(column)?);
             let line =
@@ -261,7 +275,6 @@ fn curve(
             let band = band.map(|((x, y), d)| [*x, (y - d).max(0.5 * y), y + d]).collect();
             plot.series.push(Series::band(band, style));
             plot.series.push(Series { style: Some(style), ..line });
-            style += 1;
         }
         let input = rows.only(&[("method", Method::Nothing.name().into())])?;
         let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);

@@ -1,0 +1,137 @@
+"""Fields of vertices and faces: checked, sorted for files, and taken from other packages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._base import Base
+from ._calls import running, warn
+
+
+def named(fields: Mapping[str, npt.NDArray[Any]]) -> _core.Named:
+    """Scalars, vectors and colours."""
+    scalars = [(name, values) for name, values in fields.items() if values.ndim == 1]
+    vectors = [(name, values) for name, values in fields.items() if values.ndim == 2 and name != "colors"]
+    return scalars, vectors, fields.get("colors")
+
+
+def _texture(values: npt.ArrayLike, m: int) -> npt.NDArray[Any]:
+    """Read-only texture coordinates."""
+    array = _arrays.floats(values, "texture")
+    if array.shape != (m, 3, 2):
+        raise _core.OptionError(f"texture has the shape {array.shape}, but must have ({m}, 3, 2)")
+    if not array.flags.writeable and array.flags.c_contiguous:
+        return array
+    _arrays.finite(array, "texture")
+    return _arrays.frozen(np.array(array, order="C"))
+
+
+def of_faces(fields: Mapping[str, npt.ArrayLike], m: int) -> dict[str, npt.NDArray[Any]]:
+    """Read-only fields of faces."""
+    return {
+        str(name): _texture(values, m) if name == "texture" else field(values, m, f"the face field {name}")
+        for name, values in fields.items()
+    }
+
+
+def field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
+    """A read-only field."""
+    if name.endswith(" field colors"):
+        colors = np.asarray(values)
+        if colors.dtype != np.uint8 or colors.shape != (n, 3):
+            raise _core.OptionError(
+                f"colors are {colors.dtype} of shape {colors.shape}, but must be uint8 of ({n}, 3)"
+            )
+        return _arrays.frozen(np.array(colors)) if colors.flags.writeable else colors
+    array = _arrays.floats(values, name)
+    if array.shape not in ((n,), (n, 3)):
+        raise _core.OptionError(f"{name} has the shape {array.shape}, but must have ({n},) or ({n}, 3)")
+    if not array.flags.writeable and array.flags.c_contiguous:
+        return array
+    _arrays.finite(array, name)
+    return _arrays.frozen(np.array(array, order="C"))
+
+
+def from_object(
+    source: Any,
+) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
+    """The mesh in an object of another package, and its fields of vertices and of faces."""
+    if isinstance(source, Base):
+        return source._core, source._fields, source._face_fields
+    if hasattr(source, "vertices") and hasattr(source, "faces"):
+        core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
+        return core, _colors_of_trimesh(source, core.vertex_count), {}
+    if hasattr(source, "points") and hasattr(source, "cells"):
+        return _from_meshio(source)
+    raise TypeError(
+        f"a mesh is made of vertices and faces, or of an object that has them, not of {type(source).__name__}"
+    )
+
+
+def _colors_of_trimesh(source: Any, n: int) -> dict[str, npt.ArrayLike]:
+    visual: Any = getattr(source, "visual", None)
+    if getattr(visual, "kind", None) != "vertex":
+        return {}
+    colors = np.asarray(visual.vertex_colors)
+    return {"colors": np.ascontiguousarray(colors[:, :3])} if colors.shape[:1] == (n,) else {}
+
+
+def _from_meshio(
+    source: Any,
+) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
+    polygons: list[Any] = []
+    skipped = set()
+    used = []
+    for i, block in enumerate(source.cells):
+        if block.type in ("triangle", "quad", "polygon"):
+            polygons.extend(block.data)
+            used.append(i)
+        else:
+            skipped.add(block.type)
+    if skipped:
+        warn(f"cells that are no faces are left out: {', '.join(sorted(skipped))}")
+    points = np.asarray(source.points)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    fields = _kept(getattr(source, "point_data", None) or {}, len(points), "field")
+    cells = {
+        name: np.concatenate([np.asarray(blocks[i]) for i in used])
+        for name, blocks in (getattr(source, "cell_data", None) or {}).items()
+        if used
+    }
+    if all(len(p) == 3 for p in polygons):
+        triangles = np.asarray(polygons) if polygons else np.zeros((0, 3), np.uint32)
+        core = _core.Mesh(_arrays.vertices(points), _arrays.faces(triangles))
+        return core, fields, _kept(cells, len(triangles), "face field")
+    if cells:
+        warn(f"the fields of polygons are left out: {', '.join(cells)}")
+    corners, sizes = _arrays.polygons(polygons)
+    with running(None, None) as call:
+        return _core.from_polygons(_arrays.vertices(points), corners, sizes, call), fields, {}
+
+
+def _kept(fields: Mapping[str, Any], n: int, what: str) -> dict[str, npt.ArrayLike]:
+    """The fields that a mesh can hold; a warning names the others."""
+    kept: dict[str, npt.ArrayLike] = {}
+    for name, values in fields.items():
+        array = np.asarray(values)
+        shapes = [(n, 3, 2)] if name == "texture" and what == "face field" else [(n,), (n, 3)]
+        if array.dtype.kind in "fiu" and array.shape in shapes and np.isfinite(array).all():
+            if name != "colors" or array.dtype == np.uint8:
+                kept[name] = array
+                continue
+        warn(f"the {what} {name} is left out: {array.dtype} of shape {array.shape}")
+    return kept
+
+
+def by_name(given: _core.Named) -> dict[str, npt.ArrayLike]:
+    scalars, vectors, colors = given
+    fields: dict[str, npt.ArrayLike] = {n: _arrays.frozen(v) for n, v in [*scalars, *vectors]}
+    if colors is not None:
+        fields["colors"] = _arrays.frozen(colors)
+    return fields
