@@ -53,7 +53,7 @@ pub struct Readme;
 #[doc = include_str!("../../docs/guide/src/curvature.md")]
 #[doc = include_str!("../../docs/guide/src/denoising.md")]
 #[doc = include_str!("../../docs/guide/src/distances.md")]
-#[doc = include_str!("../../docs/guide/src/folder.md")]
+#[doc = include_str!("../../docs/guide/src/repair.md")]
 #[doc = include_str!("../../docs/guide/src/laplacian.md")]
 #[doc = include_str!("../../docs/guide/src/mesh.md")]
 #[doc = include_str!("../../docs/guide/src/smoothing.md")]

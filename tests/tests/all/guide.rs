@@ -48,8 +48,8 @@ fn commands(block: &str) -> Vec<(&str, Vec<&str>)> {
     found
 }
 
-/// The words of a command as a shell splits them: quotes hold a word together, a star stands for
-/// the files of a folder.
+/// The words of a command as a shell splits them: quotes hold a word together, and one star in a
+/// word stands for the files of a folder.
 fn words(command: &str, folder: &Path) -> Vec<String> {
     let mut words = vec![];
     for (i, piece) in command.split('\'').enumerate() {
@@ -68,6 +68,7 @@ fn words(command: &str, folder: &Path) -> Vec<String> {
                 .map(|entry| format!("{inside}{}", entry.unwrap().file_name().to_str().unwrap()))
                 .filter(|file| file.starts_with(before) && file.ends_with(after))
                 .collect();
+            assert!(!files.is_empty(), "`{command}`: no file is {word}");
             files.sort();
             words.extend(files);
         }
