@@ -7,6 +7,7 @@ import importlib
 import inspect
 import pkgutil
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -72,6 +73,18 @@ def test_first_program_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: p
     pf.shapes.bumpy_sphere(3, 0.1, 5.0).write("bunny.ply")
     exec(code, {})
     assert (tmp_path / "out.ply").exists()
+
+
+GUIDE = sorted((HERE.parent / "docs" / "guide" / "src").glob("*.md"))
+
+
+@pytest.mark.parametrize("page", GUIDE, ids=lambda p: p.stem)
+def test_programs_of_the_guide_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(HERE.parent / "data", tmp_path / "data")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for code in re.findall(r"^```python\n(.*?)^```", page.read_text("utf-8"), re.M | re.S):
+        exec(code, names)
 
 
 def test_kind_and_mass_are_in_one_order() -> None:

@@ -45,3 +45,19 @@ pub fn timed<T>(name: &str, test: impl FnOnce() -> T) -> T {
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
+
+/// The programs of the guide, likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guide/src/choosing.md")]
+#[doc = include_str!("../../docs/guide/src/coming.md")]
+#[doc = include_str!("../../docs/guide/src/curvature.md")]
+#[doc = include_str!("../../docs/guide/src/denoising.md")]
+#[doc = include_str!("../../docs/guide/src/distances.md")]
+#[doc = include_str!("../../docs/guide/src/repair.md")]
+#[doc = include_str!("../../docs/guide/src/laplacian.md")]
+#[doc = include_str!("../../docs/guide/src/mesh.md")]
+#[doc = include_str!("../../docs/guide/src/smoothing.md")]
+#[doc = include_str!("../../docs/guide/src/spectrum.md")]
+#[doc = include_str!("../../docs/guide/src/start.md")]
+#[doc = include_str!("../../docs/guide/src/troubleshooting.md")]
+pub struct Guide;

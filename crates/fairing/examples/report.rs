@@ -105,7 +105,7 @@ fn steps(mesh: &TriMesh) -> Result<f64> {
 
 fn long_steps(mesh: &TriMesh) -> Result<f64> {
     // [q6]
-    let flow = Diffusion::uniform(5.0); // no step is too long
+    let flow = Diffusion::uniform(5.0); // every step is stable
     let options = Implicit { iterations: 10, ..Implicit::new(flow) };
     let smooth = implicit(mesh, &options, None)?.mesh;
     // [end]

@@ -32,13 +32,13 @@ pub(crate) fn entry(key: &str) -> Option<Entry> {
         let value = line.and_then(|line| line.split_once('=')).map_or("", |(_, value)| value);
         plain(value.trim().trim_end_matches(',').trim_start_matches('{').trim_end_matches('}'))
     };
-    let authors: Vec<String> = field("author").split(" and ").map(String::from).collect();
-    let last = |name: &String| name.rsplit(' ').next().unwrap_or_default().to_string();
+    let people: Vec<[String; 2]> = field("author").split(" and ").map(split_name).collect();
+    let authors: Vec<String> = people.iter().map(|n| n.join(" ").trim().to_string()).collect();
     let year = field("year");
-    let names = match &authors[..] {
-        [one] => last(one),
-        [one, two] => format!("{} and {}", last(one), last(two)),
-        [one, ..] => format!("{} et al.", last(one)),
+    let names = match &people[..] {
+        [[_, one]] => one.clone(),
+        [[_, one], [_, two]] => format!("{one} and {two}"),
+        [[_, one], ..] => format!("{one} et al."),
         [] => String::new(),
     };
     let doi = field("doi");
@@ -50,6 +50,18 @@ pub(crate) fn entry(key: &str) -> Option<Entry> {
         place: place(&field, &year),
         url: if doi.is_empty() { field("url") } else { format!("https://doi.org/{doi}") },
     })
+}
+
+/// The first and the last names in `Last, First` or `First Last`; particles, which begin with a
+/// small letter, belong to the last name.
+fn split_name(name: &str) -> [String; 2] {
+    if let Some((last, first)) = name.split_once(", ") {
+        return [first.into(), last.into()];
+    }
+    let words: Vec<&str> = name.split(' ').collect();
+    let particle = words.iter().position(|word| word.starts_with(char::is_lowercase));
+    let (first, last) = words.split_at(particle.unwrap_or(words.len() - 1));
+    [first.join(" "), last.join(" ")]
 }
 
 /// Journal or book, volume and pages, or the publisher, and the year.
@@ -87,7 +99,7 @@ fn plain(tex: &str) -> String {
         ("--", "–"),
     ];
     let text = ACCENTS.iter().fold(tex.to_string(), |text, (from, to)| text.replace(from, to));
-    text.replace(['{', '}', '$'], "")
+    text.replace(['{', '}', '$'], "").replace('`', "‘").replace('\'', "’")
 }
 
 /// The sources of all sections, in the order of the names, with the ids of the sections.
@@ -123,6 +135,10 @@ mod tests {
         assert_eq!(found.url, "https://doi.org/10.1145/311535.311576");
         assert_eq!(entry("vallet2008").unwrap().short, "Vallet and Lévy 2008");
         assert_eq!(entry("nobody1900"), None);
+        let karni = entry("karni2000").unwrap();
+        assert_eq!(karni.short, "Karni and Gotsman 2000");
+        assert_eq!(karni.authors, "Zachi Karni, Craig Gotsman");
+        assert_eq!(entry("docarmo1976").unwrap().short, "do Carmo 1976");
     }
 
     #[test]

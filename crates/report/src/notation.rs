@@ -125,7 +125,7 @@ mod tests {
             "frac", "tfrac", "Big", "big", "left", "right", "qquad", "quad", "sum", "log", "cos",
             "sin", "cot", "arccos", "sqrt", "partial", "text", "hat",
         ];
-        const SIGNS: [&str; 7] = ["sim", "cdot", "pi", "ge", "top", "approx", "circ"];
+        const SIGNS: [&str; 8] = ["sim", "cdot", "pi", "ge", "le", "top", "approx", "circ"];
         let mut found = vec![];
         let mut rest = formula;
         while let Some(c) = rest.chars().next() {

@@ -22,9 +22,12 @@ impl Item<'_> {
     }
 }
 
-/// Returns true if a picture is shown as the still of a view rather than by itself.
+/// Returns true if a picture is shown as the still of a view rather than by itself, as those are
+/// that the section lists among its figures.
 pub(crate) fn is_paper(record: &Record, figure: &FigureFile) -> bool {
-    figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
+    let listed = record.section.figures.contains(&figure.id);
+    let is_still = record.views.iter().any(|view| view.fallback == figure.id);
+    figure.svg.is_none() && !listed && is_still
 }
 
 /// The experiments in the order of the article, each with the number of its first figure.

@@ -9,11 +9,11 @@ use fairing_results::verdict::Verdict;
 pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
 
 /// Smoothing in two sentences, before anything is named.
-pub(crate) const IDEA: &str = "Here is a rule: move every vertex of a mesh a part λ of the way to the middle of its \
-    neighbours, and repeat. The bumps and the noise below fade, until λ is too large.";
+pub(crate) const IDEA: &str = "Here is a rule: move every vertex of a mesh a fraction λ of the way to the average of its \
+    neighbours, and repeat. The bumps and the noise below fade, unless λ is too large.";
 
 /// The question that the first playground raises.
-pub(crate) const QUESTION: &str = "On this mesh the rule turns at λ = 4/3: below it every wave on the surface fades, \
+pub(crate) const QUESTION: &str = "On this mesh the limit is λ = 4/3: below it every wave on the surface fades, \
     above it the roughest one grows with each step. What the rule repeats is a matrix, the Laplacian, and 4/3 is two divided by \
     its largest eigenvalue in absolute value. The same matrix measures how a surface bends, takes a shape apart into waves, and \
     removes noise. This report asks how well it does each.";
@@ -179,7 +179,7 @@ const RULES: [Rule; 6] = [
         follows: &[Verdict::Refuted],
     },
     Rule {
-        text: "Keep λ below 2/|μ| of the roughest mode. For uniform weights on a closed mesh 4/3 is always safe, and \
+        text: "Keep λ below 2/|μ| of the roughest mode. For uniform weights on a closed mesh every λ below 4/3 is safe, and \
             λ = 2 never is.",
         claim: "5a",
         follows: &[Verdict::Qualified, Verdict::Confirmed],

@@ -193,6 +193,9 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     if !on_path("node") {
         skipped.push(("the module for browsers: every test", "there is no node on the path"));
     }
+    if !on_path("valgrind") {
+        skipped.push(("instructions: every test", "there is no valgrind on the path"));
+    }
     if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
         skipped.push(("browser: every test", "there is no chromium on the path"));
     }

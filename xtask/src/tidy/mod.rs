@@ -43,7 +43,7 @@ const RULES: [(&str, Check); 20] = [
     ("sources in the documentation are links to their addresses", citations::check),
     ("one crate names the solver backend", sources::backend),
     ("the committed report is smaller than 9 MB", report::check),
-    ("the README's commands and example exist", readme::check),
+    ("tasks, links and examples of the README and the guide exist", readme::check),
 ];
 
 /// Checks the tree and prints violations; returns true if there are none.

@@ -1,4 +1,4 @@
-//! Consistency of the README with the repository.
+//! Consistency of the README and the guide with the repository.
 
 use std::fs;
 use std::path::Path;
@@ -7,20 +7,36 @@ use anyhow::{Context as _, Result};
 
 use crate::tasks::TASKS;
 
-/// Finds tasks in the README that do not exist, broken links, and Rust examples that no doc test
-/// compiles.
+const GUIDE: &str = "docs/guide/src";
+
+/// Finds tasks in the README and the guide that do not exist, broken links, Rust examples that no
+/// doc test compiles, and pages that the guide's summary does not name.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let path = root.join("README.md");
-    if !path.exists() {
-        return Ok(vec!["there is no README.md".into()]);
+    let mut pages = vec!["README.md".to_owned()];
+    for entry in fs::read_dir(root.join(GUIDE)).with_context(|| format!("reading {GUIDE}"))? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".md") {
+            pages.push(format!("{GUIDE}/{name}"));
+        }
     }
-    let text = fs::read_to_string(path).context("reading README.md")?;
-    let mut broken = unknown_tasks(&text);
-    broken.extend(broken_links(root, &text));
-    // The tests include the README in their documentation, which makes its examples doc tests.
+    pages.sort();
+    // The tests include these pages in their documentation, which makes their examples doc tests.
     let tests = fs::read_to_string(root.join("tests/src/lib.rs"))?;
-    if text.contains("```rust") && !tests.contains("README.md") {
-        broken.push("the tests do not run the README's example as a doc test".into());
+    let summary = fs::read_to_string(root.join(GUIDE).join("SUMMARY.md"))?;
+    let mut broken = vec![];
+    for page in &pages {
+        let path = root.join(page);
+        let text = fs::read_to_string(&path).with_context(|| format!("reading {page}"))?;
+        let (folder, name) = page.rsplit_once('/').unwrap_or(("", page));
+        let mut found = unknown_tasks(&text);
+        found.extend(broken_links(&root.join(folder), &text));
+        if text.contains("```rust") && !tests.contains(&format!("/{page}\")")) {
+            found.push("tests/src/lib.rs does not run its examples as doc tests".into());
+        }
+        if folder == GUIDE && name != "SUMMARY.md" && !summary.contains(&format!("]({name})")) {
+            found.push("SUMMARY.md does not name it".into());
+        }
+        broken.extend(found.into_iter().map(|what| format!("{page}: {what}")));
     }
     Ok(broken)
 }
@@ -35,14 +51,14 @@ fn unknown_tasks(text: &str) -> Vec<String> {
     unknown.map(|name| format!("there is no `cargo xtask {name}`")).collect()
 }
 
-/// Finds relative links and pictures without a target.
-fn broken_links(root: &Path, text: &str) -> Vec<String> {
+/// Finds relative links and pictures of a page in a folder without a target.
+fn broken_links(folder: &Path, text: &str) -> Vec<String> {
     let targets = text.match_indices("](").filter_map(|(at, _)| text[at + 2..].split(')').next());
     let relative = targets.filter(|t| !t.contains("://") && !t.starts_with('#') && !t.is_empty());
     let files = relative.map(|t| t.split('#').next().unwrap_or(t));
     files
-        .filter(|t| !root.join(t).exists())
-        .map(|t| format!("README.md links to {t}, which is not there"))
+        .filter(|t| !folder.join(t).exists())
+        .map(|t| format!("links to {t}, which is not there"))
         .collect()
 }
 

@@ -37,17 +37,26 @@ impl Fresh {
     ///
     /// A process that fails, or that prints something else than times.
     pub(super) fn run(&self) -> Result<Times> {
-        let mut command = Command::new(std::env::current_exe()?);
-        let output = command.args(&self.arguments).stderr(Stdio::inherit()).output()?;
-        ensure!(output.status.success(), "{:?} failed: {}", self.arguments, output.status);
-        let text = String::from_utf8(output.stdout)?;
-        let line = text.lines().last().context("the process printed nothing")?;
-        let result: Value = serde_json::from_str(line)?;
+        let result = self.result()?;
         let runs = result["runs"].as_array().context("the process printed no times")?;
         Ok(Times {
             first: runs.first().map(total).context("the process printed no times")?,
             megabytes: result["rss_mb"].as_f64(),
         })
+    }
+
+    /// All that a new process prints about one run.
+    ///
+    /// # Errors
+    ///
+    /// A process that fails, or that prints something else.
+    pub(super) fn result(&self) -> Result<Value> {
+        let mut command = Command::new(std::env::current_exe()?);
+        let output = command.args(&self.arguments).stderr(Stdio::inherit()).output()?;
+        ensure!(output.status.success(), "{:?} failed: {}", self.arguments, output.status);
+        let text = String::from_utf8(output.stdout)?;
+        let line = text.lines().last().context("the process printed nothing")?;
+        Ok(serde_json::from_str(line)?)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Times of tasks: one inside the process, for comparison with other libraries, or all of a page.
 
+mod bandwidth;
 mod denoise;
 mod files;
 mod fresh;
@@ -65,6 +66,7 @@ const ALL: &[&dyn Task] = &[
     &spectra::Factor,
     &harmonic::Harmonic,
     &denoise::Denoise,
+    &bandwidth::Bandwidth,
 ];
 
 /// Times the task, or lists the tasks, and prints the result.

@@ -67,6 +67,13 @@ struct Row {
     times: Vec<(f64, Times)>,
 }
 
+/// Rates in GB/s, where they were measured.
+struct Rate {
+    vertices: f64,
+    triad: Option<f64>,
+    product: Option<f64>,
+}
+
 impl Row {
     /// The slope of log t over log n, by least squares.
     fn exponent(&self) -> Option<f64> {
@@ -90,9 +97,9 @@ pub(super) fn write(comparison: Option<&Path>, finest: u32) -> Result<()> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let folder = std::env::temp_dir().join(format!("fairing-speed-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
-    let rows = measured(&folder, finest);
+    let measured = measured(&folder, finest);
     fs::remove_dir_all(&folder)?;
-    let rows = rows?;
+    let (rows, rates) = measured?;
     let mut text = String::from(HEAD);
     if let Some(path) = comparison {
         let results =
@@ -100,6 +107,7 @@ pub(super) fn write(comparison: Option<&Path>, finest: u32) -> Result<()> {
         text.push_str(&compared(&serde_json::from_str(&results)?)?);
     }
     text.push_str(&over_size(&rows));
+    text.push_str(&bandwidth(&rates));
     fs::write(docs.join("pictures/scale.svg"), picture(&rows)?)?;
     fs::write(docs.join("speed.md"), text)?;
     Ok(())
@@ -111,9 +119,10 @@ const HEAD: &str = "# Speed
 ";
 
 /// Runs every task on every sphere, each in a process of its own.
-fn measured(folder: &Path, finest: u32) -> Result<Vec<Row>> {
+fn measured(folder: &Path, finest: u32) -> Result<(Vec<Row>, Vec<Rate>)> {
     let mut rows: Vec<Row> =
         SCALED.iter().map(|scaled| Row { words: scaled.words, times: vec![] }).collect();
+    let mut rates = vec![];
     for level in LEVELS.filter(|level| *level <= finest) {
         let path = sphere(folder, level)?;
         let vertices = 10.0 * libm::pow(4.0, f64::from(level)) + 2.0;
@@ -129,9 +138,15 @@ fn measured(folder: &Path, finest: u32) -> Result<Vec<Row>> {
             eprintln!("{vertices:>9} vertices, {}: {:.3} s", scaled.words, times.first);
             row.times.push((vertices, times));
         }
+        if level <= MOST {
+            let result = Fresh::new("bandwidth", &path, &[]).result()?;
+            let [triad, product] =
+                ["triad", "product"].map(|key| result["fingerprint"][key].as_f64());
+            rates.push(Rate { vertices, triad, product });
+        }
         fs::remove_file(path)?;
     }
-    Ok(rows)
+    Ok((rows, rates))
 }
 
 /// Writes a sphere with noise.
@@ -211,6 +226,23 @@ fn over_size(rows: &[Row]) -> String {
         let memory = row.times.last().and_then(|(_, times)| times.megabytes);
         cells.push(memory.map_or("–".into(), |mb| format!("{:.2} GB", mb / 1024.0)));
         let _ = writeln!(page, "| {} |", cells.join(" | "));
+    }
+    page
+}
+
+/// The table of the rates of a product with S and of a triad.
+fn bandwidth(rates: &[Rate]) -> String {
+    let mut page = String::from(
+        "\n## Share of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its rate counts \
+         values, columns and row starts of S, and every position once in and once out; the triad a = b + s c is that of \
+         STREAM, on arrays of 64 MB, in the same process. A rate above the triad's means that a cache held part of the \
+         matrix.\n\n| Vertices | S times three columns, GB/s | Triad, GB/s | Share |\n|--:|--:|--:|--:|\n",
+    );
+    for Rate { vertices, triad, product } in rates {
+        if let (Some(triad), Some(product)) = (triad, product) {
+            let (vertices, share) = (thousands(*vertices), 100.0 * product / triad);
+            let _ = writeln!(page, "| {vertices} | {product:.1} | {triad:.1} | {share:.0} % |");
+        }
     }
     page
 }

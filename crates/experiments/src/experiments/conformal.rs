@@ -75,7 +75,7 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
     radii.iter().map(|r| r / mean - 1.0).collect()
 }
 
-/// How round the sphere is after so many steps each, as a sentence.
+/// A sentence on the roundness of the sphere after so many steps each.
 fn rounded(errors: &[(usize, f64)]) -> String {
     let Some(((_, settled), others)) = errors.split_last() else { return String::new() };
     let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);
@@ -87,7 +87,7 @@ fn rounded(errors: &[(usize, f64)]) -> String {
         seen::list(&numbers),
         seen::list(&steps),
         brief(100.0 * settled),
-        if falling { "" } else { ": the way there is not straight" }
+        if falling { "" } else { ": it gets worse before it gets better" }
     )
 }
 
@@ -121,7 +121,10 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
     }
     .draw(
         "conformal",
-        &format!("The bumps go first, the length last. {} A bumpy sphere after some numbers of steps of conformalised mean curvature flow.", rounded(&drawn_errors)),
+        &format!(
+            "{} A bumpy sphere after some numbers of steps of conformalised mean curvature flow.",
+            rounded(&drawn_errors)
+        ),
         "Four pictures of a bumpy sphere that becomes round.",
     )?;
     let worst = meshes.iter().map(|mesh| Some(100.0 * farthest(mesh))).collect();
@@ -160,8 +163,8 @@ mod tests {
     #[test]
     fn the_caption_has_the_distances() {
         let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]);
-        let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, 0.25 % when the flow has settled: the way there is not straight.";
+        let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, 0.25 % when the flow has settled: it gets worse before it gets better.";
         assert_eq!(text, expected);
-        assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).contains("not straight"));
+        assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).contains("worse"));
     }
 }

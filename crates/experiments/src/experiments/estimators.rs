@@ -50,7 +50,7 @@ impl Experiment for Estimators {
         Card {
             id: "estimators",
             title: "Curvature estimators side by side",
-            question: "Which estimator converges on real meshes, and when should each be used?",
+            question: "Which estimator converges on irregular meshes, and when should each be used?",
             method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges leaves no vertex wrong in the limit.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"\text{order} = \frac{\log(\varepsilon_1 / \varepsilon_2)}{\log(h_1 / h_2)}".into()],
             section: section(),
@@ -125,16 +125,19 @@ impl Experiment for Estimators {
             .copied()
             .fold(("", f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a });
         let (verdict, reason) = if reaching.is_empty() {
-            (Verdict::Refuted, format!("None does; {best} comes closest with {}.", brief(order)))
+            (
+                Verdict::Refuted,
+                format!("None does; the least order of {best} is the highest, {}.", brief(order)),
+            )
         } else {
             (
                 Verdict::Confirmed,
                 format!(
-                    "On jittered sphere, torus and ellipsoid {} of the {} estimators {}, for both H and K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    "On the jittered sphere, torus and ellipsoid {} of the {} estimators {}, for both H and K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
                     reaching.len(),
                     worst.len(),
                     if reaching.len() == 1 { "does" } else { "do" },
-                    reaching.join(", "),
+                    reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and "),
                     brief(order),
                     brief(worst[0].1),
                 ),
@@ -142,13 +145,13 @@ impl Experiment for Estimators {
         };
         let mut judgement = Judgement::new(
             "estimators",
-            &format!("An estimator converges at every vertex of an irregular mesh, with order {BAR} or more"),
+            &format!("Some estimator converges at every vertex of jittered meshes, with order {BAR} or more"),
             verdict,
             reason,
         )
         .finding(match reaching.is_empty() {
             true => "None of the estimators does.".to_string(),
-            false => format!("{} of the {} estimators do, for both H and K: {}.", reaching.len(), Estimator::all().len(), reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and ")),
+            false => format!("{} of the {} estimators {}, for both H and K: {}.", reaching.len(), Estimator::all().len(), if reaching.len() == 1 { "does" } else { "do" }, reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and ")),
         })
         .ours()
         .shown(Shown::line("estimators", "largest-mean", best));
@@ -320,7 +323,7 @@ fn orders_table() -> Table {
         .collect();
     let mut table = Table::new(
         "orders",
-        "Observed orders of convergence over the last three refinements (of the first of them to the last): 2 means that half the edge length gives a quarter of the error, 0 that the error stays.",
+        "Observed orders of convergence between the first and the last of the three finest meshes. At order 2 half the edge length gives a quarter of the error; at order 0 the error stays.",
         &columns,
     );
     for name in MEASURES {

@@ -205,7 +205,7 @@ fn row_of(set: Set, mine: &[(&Case, &Found)]) -> Result<[Cell; 14]> {
 fn lost_table() -> Table {
     Table::new(
         "lost",
-        "What is still lost: the five cases of each set with the largest ratio, and the published method that does better with the parameters found with the truth.",
+        "The five cases of each set with the largest ratio, and the published method that does better there with parameters found with the truth.",
         &[
             ("set", Unit::Label),
             ("case", Unit::Label),
@@ -272,14 +272,14 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
             median: value("median ratio")?,
             worst: value("worst ratio")?,
             above: value("above 1.1")?,
-            harmed: value("normals worse than noisy")? + value("positions worse than noisy")?,
+            harmed: [value("normals worse than noisy")?, value("positions worse than noisy")?],
         })
     };
     let (unseen, fresh) = (of(Set::Unseen)?, of(Set::Fresh)?);
     let both = [&unseen, &fresh];
     let verdict = match (
         both.iter().all(|s| s.median <= 1.0),
-        both.iter().all(|s| s.worst <= BAR && s.harmed == 0.0),
+        both.iter().all(|s| s.worst <= BAR && s.harmed == [0.0; 2]),
     ) {
         (true, true) => Verdict::Confirmed,
         (false, false) => Verdict::Refuted,
@@ -300,7 +300,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     );
     let judgement = Judgement::new(
         "unseen",
-        "On families of meshes that it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
+        "On families of shapes it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
         verdict,
         reason,
     )
@@ -320,15 +320,15 @@ struct Standing {
     worst: f64,
     /// Cases above the bar.
     above: f64,
-    /// Cases that are farther from the truth than the noisy mesh, in normals or in positions.
-    harmed: f64,
+    /// Cases that are farther from the truth than the noisy mesh, in normals and in positions.
+    harmed: [f64; 2],
 }
 
 impl Standing {
     fn text(&self) -> String {
-        let Self { median, worst, above, harmed, .. } = self;
+        let Self { median, worst, above, harmed: [normals, positions], .. } = self;
         format!(
-            "the normal error is in the median {median:.2} times that of the best published method tuned with the truth, at worst {} times, and above {BAR} times on {above}; the result is farther from the truth than the noisy mesh, in normals or in positions, on {harmed}",
+            "the median of the normal error is {median:.2} times that of the best published method tuned with the truth, the worst {} times, and {above} are above {BAR} times; normals are farther from the truth than those of the noisy mesh on {normals}, positions on {positions}",
             brief(*worst),
         )
     }

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::conformal;
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::refinement::second_order;
+use super::refinement::{between, second_order};
 use super::seen;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
@@ -89,6 +89,7 @@ impl Experiment for Flows {
         let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
         let most = orders.iter().copied().fold(0.0, f64::max);
         let second = least > 1.8 && most < 2.2;
+        let orders = between(least, most);
         let left = tables.get("conformal")?.column("off the sphere after")?;
         let worst = left.iter().copied().fold(0.0, f64::max);
         let methods = tables.get("methods")?;
@@ -105,9 +106,9 @@ impl Experiment for Flows {
                 "mean-curvature",
                 "Mean curvature flow converges to that of the sphere with second order",
                 judge(second),
-                format!("The observed orders of the radius lie between {least:.2} and {most:.2}."),
+                format!("The observed order of the radius is {orders}."),
             )
-            .finding(format!("The observed orders are {least:.2} to {most:.2}."))
+            .finding(format!("The observed order is {orders}."))
             .ours()
             .shown(Shown::line("flows", "radius", "unit sphere"))
             .number("least order", least, Unit::Order)
@@ -116,9 +117,9 @@ impl Experiment for Flows {
                 "conformal",
                 "Conformalised mean curvature flow turns sphere-like meshes into round spheres",
                 judge(worst < ROUND),
-                format!("When it settles, no vertex is off the sphere by more than {} of its radius.", brief(worst)),
+                format!("When it settles, no vertex of the bumpy spheres is off the mean sphere by more than {} % of its radius.", brief(100.0 * worst)),
             )
-            .finding(format!("No vertex ends farther from the sphere than {} of its radius.", brief(worst)))
+            .finding(format!("On bumpy spheres no vertex ends farther from the mean sphere than {} % of its radius.", brief(100.0 * worst)))
             .ours()
             .shown(Shown::view("flows", conformal::VIEW, &ViewState::at(&[conformal::STOPS.len() - 1])))
             .number("farthest off the sphere", worst, Unit::Relative),
@@ -127,12 +128,12 @@ impl Experiment for Flows {
                 "Taubin's steps, the windowed sinc filter and HC keep the volume that diffusion loses",
                 judge(lost < 0.2 * plain),
                 format!(
-                    "They change it by at most {} %, implicit diffusion by {} %.",
+                    "On the bumpy sphere of the table they change the volume by at most {} %, implicit diffusion by {} %.",
                     brief(lost),
                     brief(plain),
                 ),
             )
-            .finding(format!("They change the volume by at most {} %, diffusion by {} %.", brief(lost), brief(plain)))
+            .finding(format!("On a bumpy sphere they change the volume by at most {} %, implicit diffusion by {} %.", brief(lost), brief(plain)))
             .ours()
             .shown(Shown::view("flows", "methods-view", &ViewState::at(&[stop("taubin")]).field("distance off the truth")))
             .number("largest change of the three", lost, Unit::Percent)
@@ -145,7 +146,7 @@ impl Experiment for Flows {
 fn spheres(finest: u32) -> Result<Table> {
     let mut table = Table::new(
         "spheres",
-        "The unit sphere under mean curvature flow: its mean radius at the end beside √(1 − 4t), and the order observed between each mesh and the one before.",
+        "The mean radius of the unit sphere at the end of mean curvature flow beside √(1 − 4t), and the order observed between each mesh and the one before.",
         &[
             ("h", Unit::Length),
             ("steps", Unit::Count),
@@ -207,7 +208,7 @@ fn radius(spheres: &Table) -> Result<Picture> {
         &figure,
         "radius",
         &format!(
-            "{to_see}: at second order half the edge length leaves a quarter of the error. The radius of the unit sphere under mean curvature flow against √(1 − 4t) at the end, with time steps in proportion to h²."
+            "{to_see}: at second order half the edge length leaves a quarter of the error. The error of the radius of the unit sphere under mean curvature flow, against √(1 − 4t), with time steps in proportion to h²."
         ),
         "A plot of error over mean edge length on logarithmic axes, with a dashed line of second order.",
     )
@@ -290,7 +291,7 @@ fn view(context: &Context<'_>) -> Result<View> {
 fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let mut table = Table::new(
         "methods",
-        "Every method with the options it has by default, on a bumpy sphere with noise: mean angle to the normals of the truth, mean distance of the vertices from its surface, volume against the truth.",
+        "Every method with its default options on a bumpy sphere with noise; the volume is compared with that of the truth.",
         &[
             ("method", Unit::Label),
             ("normal error", Unit::Degrees),
@@ -330,12 +331,12 @@ fn volumes(table: &Table, methods: &[&str]) -> Result<String> {
     }
     Ok(match (shrunk.is_empty(), kept.is_empty()) {
         (false, false) => format!(
-            "Smoothed by {} the sphere has shrunk; by {} it has not.",
+            "After {} the sphere has shrunk; after {} it has kept its volume.",
             seen::list(&shrunk),
             seen::list(&kept)
         ),
-        (false, true) => format!("It has shrunk by every method: {}.", seen::list(&shrunk)),
-        _ => format!("It has kept its volume by every method: {}.", seen::list(&kept)),
+        (false, true) => format!("It has shrunk after every method: {}.", seen::list(&shrunk)),
+        _ => format!("It has kept its volume after every method: {}.", seen::list(&kept)),
     })
 }
 

@@ -180,7 +180,7 @@ pub(super) fn errors(
         Look { title, mesh, coloring: Some(coloring) }
     });
     let looks = looks.collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 4.0 / 3.0, occlusion }
+    Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.6, occlusion }
         .draw(id, caption, alt)
 }
 

@@ -141,8 +141,8 @@ pub(super) struct Measures {
     pub(super) normal: Option<f64>,
     /// Mean distance of the vertices from the surface of the truth, in h.
     pub(super) vertex: f64,
-    /// Mean distance between the surfaces both ways, from the vertices of each to the other, in h: a
-    /// mesh that has shrunk inside the truth leaves vertices of the truth far away.
+    /// Mean distance between the surfaces both ways, from the vertices of each to the other, in h:
+    /// a mesh that has shrunk inside the truth leaves vertices of the truth far away.
     pub(super) surface: f64,
     /// Change of volume relative to the truth in percent; `None` if open.
     pub(super) volume: Option<f64>,

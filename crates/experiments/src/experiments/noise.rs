@@ -54,7 +54,7 @@ impl Experiment for Noise {
             id: "noise",
             title: "Curvature under noise",
             question: "Does noise disturb mean but not Gaussian curvature?",
-            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. First question: does K change? Second: more than H? K is a product of two curvatures and has the unit of H², so that a small relative error of H is twice as large in K by algebra alone. What is compared with H is therefore the root √|K|, with the sign of K, which has its unit. Each change is that against the same estimator on the clean mesh, over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
+            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. We ask whether K changes, and whether it changes more than H. K is a product of two curvatures and has the unit of H², so that a small relative error of H is twice as large in K by algebra alone. So H is compared with √|K|, taken with the sign of K, which has its unit. Each change is measured against the same estimator on the clean mesh, relative to the root mean square of the clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
             formulas: vec![],
             section: section(),
             inputs: &[],
@@ -124,7 +124,7 @@ impl Experiment for Noise {
             _ => Verdict::Qualified,
         };
         let reason = format!(
-            "Noise of {least} h, the least tried, changes K by {} to {} % of its size with angle defects, finer meshes more. In the unit of H, √|K| changes {} to {} times as much as H (median {}; over all estimators {}, at least {}; the standard error is at most {} % of each). Noise disturbs both. What it does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
+            "Noise disturbs both. Noise of {least} h, the least tried, changes K by {} to {} % of its size with angle defects, finer meshes more. In the unit of H, √|K| changes {} to {} times as much as H, in the median {} times; over all estimators the median is {} and the least {}. The standard error of such a ratio is at most {} % of it. Only the sum of K does not change: the angle defects add up to 2πχ within {}.",
             brief(100.0 * k_low),
             brief(100.0 * k_high),
             brief(low),
@@ -160,7 +160,7 @@ impl Experiment for Noise {
 fn changes_table() -> Table {
     let mut changes = Table::new(
         "changes",
-        "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. √|K| has the sign of K. The standard error is that of √|K| over H, from its spread over the seeds.",
+        "Root mean square change under noise, over vertices and seeds, relative to the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. √|K| has the sign of K. The standard error is that of √|K| over H, from its spread over the seeds.",
         &[
             ("surface", Unit::Label),
             ("vertices", Unit::Count),
@@ -192,7 +192,7 @@ fn changes_table() -> Table {
 fn totals_table() -> Table {
     Table::new(
         "totals",
-        "The sum of all angle defects under noise: its largest distance from 2πχ over seeds.",
+        "The largest distance of the sum of all angle defects from 2πχ under noise, over seeds.",
         &[
             ("surface", Unit::Label),
             ("vertices", Unit::Count),

@@ -139,8 +139,8 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
     let [patch, part] = best.normals;
     let apart = |normals: Best, surface: Best| normals.lambda > surface.lambda;
     let first = match apart(patch, best.surface[0]) && apart(part, best.surface[1]) {
-        true => "Normals want longer steps than positions on both meshes",
-        false => "The best λ differs between normals and positions",
+        true => "The normal error is least at longer steps than the surface error, on both meshes",
+        false => "The best λ differs between the normal and the surface error",
     };
     let end = match patch.is_last {
         true => {
@@ -204,7 +204,7 @@ impl OverLambda<'_> {
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
         let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input, and volume and area are compared with the truth. The vertex error is the mean distance of the vertices from the true surface, the surface error the mean of that and of the distance back, each at up to {SAMPLES} vertices: the way back shows that a patch has shrunk. The CSV has the vertex error, precision and recall of the creases, displacements, and the growth of the diagonal, too."
+            "After {iterations} {kind} steps. λ = 0 is the input; volume and area are compared with the truth. The vertex error is the mean distance of the vertices from the true surface, the surface error the mean of this distance and of that from the truth back to the mesh, each at up to {SAMPLES} vertices; the second shows that a patch has shrunk. The CSV also has the vertex error, precision and recall of the creases, displacements, and the growth of the diagonal."
         );
         let mut table = Table::new("flows", &caption, &columns)
             .aside(&["vertex error", "crease precision", "crease recall"])
@@ -380,8 +380,8 @@ const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
 const LINE: f64 = 1e-3;
 
-/// A smoothed mesh as drawn beside its input, and the scale for its title: meshes that have diverged
-/// or shrunk are drawn at the size of the input. `None` where there is no surface left to draw.
+/// A smoothed mesh as drawn beside its input, and the scale for its title: meshes that have
+/// diverged or shrunk are drawn at the size of the input. `None` if no surface is left to draw.
 fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<Option<(TriMesh, String)>> {
     let growth = mesh.diagonal() / input.diagonal();
     let area: f64 = (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)).length()).sum();
@@ -425,13 +425,18 @@ fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     match smoothest {
         Some((lambda, m)) if (NOISY..f64::INFINITY).contains(&noise) && normal(m) < noise => {
             sentences.push(format!(
-                "Of these steps λ = {} leaves the least normal error, {}° of {}°.",
+                "Among these λ, {} leaves the least normal error, {}° instead of {}°.",
                 brief(*lambda),
                 brief(normal(m)),
                 brief(noise)
             ));
         }
-        _ => sentences.push(format!("The {name} has no noise to lose.")),
+        _ if noise < NOISY => sentences.push(format!("The {name} has no noise to lose.")),
+        _ => {
+            let noise = brief(noise);
+            sentences
+                .push(format!("No λ brings the normal error below {noise}°, that of the input."));
+        }
     }
     let has_creases = |m: &Measures| m.creases[0].is_none_or(|score| score >= LOST);
     let kept = shapes.iter().rposition(|(_, m)| has_creases(m)).map_or(0, |last| last + 1);
@@ -442,10 +447,9 @@ fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     if let Some((lambda, m)) = shapes.last().filter(|(_, m)| area(m) < -SHRUNK) {
         let words = match area(m) < VANISHED {
             true => "all but vanished".to_string(),
-            false => format!("changed by {} %", brief(area(m))),
+            false => format!("shrunk by {} %", brief(-area(m))),
         };
-        sentences
-            .push(format!("Long steps shrink it: at λ = {} its area has {words}.", brief(*lambda)));
+        sentences.push(format!("At λ = {} its area has {words}.", brief(*lambda)));
     }
     if let [first, others @ ..] = &points[..] {
         let more = if others.is_empty() { "" } else { " and more" };
@@ -522,18 +526,21 @@ mod tests {
         let point = Measures { normal: None, creases: [None; 3], growth: 1e-12, ..SHAPE };
         let text = seen("part", &[0.1, 1.0, 2.0], &[SHAPE, smooth, round, exploded]);
         let expected = [
-            "Of these steps λ = 0.1 leaves the least normal error, 5° of 20°.",
+            "Among these λ, 0.1 leaves the least normal error, 5° instead of 20°.",
             "From λ = 1 on its creases are lost.",
             "At λ = 2 it explodes.",
         ];
         assert_eq!(text, expected.join(" "));
         assert!(!seen("part", &[0.1, 1.0], &[SHAPE, smooth, round]).contains("explodes"));
+        let worse = Measures { normal: Some(30.0), ..SHAPE };
+        let text = seen("part", &[1.0], &[SHAPE, worse]);
+        assert_eq!(text, "No λ brings the normal error below 20°, that of the input.");
         let clean = Measures { normal: Some(0.0), ..SHAPE };
         let shrunk = Measures { area: Some(-60.0), growth: 0.5, ..SHAPE };
         let text = seen("cube", &[0.1, 1.0, 2.0], &[clean, shrunk, point, point]);
         let expected = [
             "The cube has no noise to lose.",
-            "Long steps shrink it: at λ = 0.1 its area has changed by −60 %.",
+            "At λ = 0.1 its area has shrunk by 60 %.",
             "At λ = 1 and more it is a point, with nothing to draw.",
         ];
         assert_eq!(text, expected.join(" "));

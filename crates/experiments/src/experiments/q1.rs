@@ -56,7 +56,7 @@ fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
 fn section() -> Section {
     Section::new(
         Act::Curvature,
-        "The simplest Laplacian averages neighbours and knows nothing of angles. We begin with what it \
+        "The simplest Laplacian averages neighbours and ignores angles. We begin with what it \
                 makes of curvature, because the next sections repair its faults.",
     )
     .commands(&["fairing smooth mesh.ply -o moved.ply --method explicit --lambda 1 --iterations 1  # each vertex moves by Δx", "fairing curvature mesh.ply -o curved.ply --estimator cotangent --area barycentric  # angle defect over area", "fairing render curved.ply -o gaussian.png --field gaussian --map coolwarm"])
@@ -73,7 +73,7 @@ impl Experiment for UniformCurvature {
             id: "q1",
             title: "Curvature from the uniform Laplacian",
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
-            method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex. Where edges are uneven, the average of the neighbours lies off to one side, along the surface. This tangential part of Δx comes from the triangles and not from bending, but its length counts all the same: even on a plane ‖Δx‖ is not zero.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[Input::Flower, Input::Plane],
@@ -189,7 +189,7 @@ impl<'a> Pictures<'a> {
             ],
             viewpoints: &VIEWPOINTS,
             up: Up::Z,
-            aspect: 1.3,
+            aspect: 1.5,
             occlusion: true,
         }
     }
@@ -261,7 +261,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
         .into_iter()
         .collect::<Result<Vec<_>>>()?;
     let short = format!(
-        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, and its distance from a curvature depends on the unit. Scaled by the edges it is a curvature, but uniform weights mistake uneven edges and tangential shifts for curvature: on the finest regular torus the relative error is still {}. Gaussian curvature converges in the root mean square on regular meshes only: on the finest jittered torus the error is {}. Only its total over the surface is exact (Gauss–Bonnet).",
+        "Mean curvature is not approximated. ‖Δx‖/2 is a length that goes to zero with the edges, and its distance from a curvature depends on the unit. Scaled by the edges it has the unit of a curvature, but uniform weights mistake uneven edges and tangential shifts for curvature: on the finest regular torus the relative error is still {}. Gaussian curvature converges in the root mean square on regular meshes only; on the finest jittered torus the error is {}. Only its total over the surface is exact (Gauss–Bonnet).",
         brief(torus),
         brief(left),
     );

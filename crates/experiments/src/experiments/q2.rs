@@ -40,7 +40,7 @@ fn section() -> Section {
     Section::new(
         Act::Curvature,
         "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
-                formulas for everything, and the original report has one of them wrong.",
+                formulas for everything, and the original report got one wrong.",
     )
     .commands(&["fairing curvature ellipsoid.ply -o curved.ply --estimator jet3  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
     .edge_lengths_of("each mesh")
@@ -63,7 +63,7 @@ impl Experiment for EllipsoidForms {
             id: "q2",
             title: "First and second fundamental form of the ellipsoid",
             question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?",
-            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal n points inward here, so that curvature is positive where the surface bends like a sphere. The coefficients of the second form are e, f and g, which the original report calls L, M and N.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which use nothing of p but positions.".into(),
+            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal n points inward here, so that curvature is positive where the surface bends like a sphere. The coefficients of the second form are e, f and g, which the original report calls L, M and N.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which see only vertex positions.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[],
@@ -97,7 +97,7 @@ impl Experiment for EllipsoidForms {
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size; its size is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
             crate::table::brief(check),
             crate::table::brief(smallest_l),
             crate::table::brief(100.0 * error),
@@ -110,7 +110,7 @@ impl Experiment for EllipsoidForms {
                 verdict,
                 reason,
             )
-            .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
+            .finding(format!("Along y the normal curvature is a/b² in size; 1/c, the size in the original report, is right on {right} of {} ellipsoids, the sphere.", ours.len()))
             .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)

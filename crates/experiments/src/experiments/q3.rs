@@ -70,7 +70,7 @@ fn section() -> Section {
     .edge_lengths_of("each mesh")
     .sources(&["pinkall1993", "meyer2003", "desbrun1999"])
     .notation(&["x", "X", "i", "j", "A", "\\alpha", "\\beta", "H", "K", "n", "\\Delta", "M", "S"])
-    .shows(&["torus-view", "convergence"], &[])
+    .shows(&["torus-view", "convergence", "flower-signed"], &[])
     .names(&[("flower-view", "the flower"), ("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence"), ("planes", "what is left on planes")])
 }
 
@@ -80,7 +80,7 @@ impl Experiment for CotangentCurvature {
             id: "q3",
             title: "Mean curvature from the cotangent Laplacian",
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
+            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. It is the gradient of the area: only moving a vertex off the plane of its neighbours changes the area, so that on a plane, however uneven the triangles, nothing tangential is left. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[Input::Flower, Input::Plane],
@@ -160,16 +160,18 @@ impl Experiment for CotangentCurvature {
             _ => Verdict::Qualified,
         };
         let first = if improves {
-            "With mixed areas the cotangent operator is the better one on every surface and sampling"
+            "With mixed areas the cotangent operator is better on every surface and sampling"
         } else {
-            "The cotangent operator is not the better one everywhere"
+            "The cotangent operator is not better everywhere"
         };
         let reason = format!(
-            "{first}: on the finest meshes its RMS error is at least {} times smaller than that of the uniform one. (On the regular sphere it is {} times smaller: the symmetry of an icosphere cancels its leading error.) {} But better is not convergent: on jittered meshes cotangents {} (order at most {mean:.2} in the root mean square and {largest_order:.2} in the largest error; up to {} % of H is still wrong on the finest meshes). Inside a plane they give {} on every triangulation tried, where what is below {}/h is rounding and counts as zero; the uniform operator reaches {}/h. Only boundary vertices show, up to {}/h, where either operator is one-sided and points inwards along the plane; the signed value, the part along the normal, is zero there as well.",
+            "{first}: on the finest meshes its RMS error is at least {} times smaller than that of the uniform one. (On the regular sphere it is {} times smaller: the symmetry of an icosphere cancels its leading error.) {} But better is not convergent: on jittered meshes cotangents {} (order at most {} in the root mean square and {} in the largest error; the error is up to {} % of H on the finest meshes). Inside a plane they give {} on every triangulation tried; values below {}/h are rounding and count as zero. The uniform operator reaches {}/h. Only boundary vertices show, up to {}/h: there either operator is one-sided and points inwards along the plane. The signed value, the part along the normal, is zero there as well.",
             brief(1.0 / worst),
             two_digits(1.0 / best),
             with_barycentric(&others),
             if converges { "converge on some surface" } else { "do not converge either" },
+            brief(mean),
+            brief(largest_order),
             brief(100.0 * left),
             if clean { "zero".to_string() } else { format!("up to {}/h", brief(inside)) },
             brief(ZERO),
@@ -179,12 +181,12 @@ impl Experiment for CotangentCurvature {
         Ok(vec![
             Judgement::new(
                 "3a",
-                "Cotangents bring out detail on a complex mesh, but artefacts on the plane",
+                "Cotangents reveal detail on a complex mesh but create artefacts on the plane",
                 verdict,
                 reason,
             )
             .finding(format!(
-                "With cotangents and mixed areas the error is at least {} times smaller than with uniform weights. On a plane they {} inside, to rounding, and reach {}/h on the boundary.",
+                "With cotangents and mixed areas the error on the finest meshes is at least {} times smaller than with uniform weights. On a plane they {} inside, to rounding, and reach {}/h on the boundary.",
                 brief(1.0 / worst),
                 if clean { "are zero".to_string() } else { format!("reach {}/h", brief(inside)) },
                 brief(border)
@@ -283,7 +285,7 @@ fn pictures(
     let to_see = seen::equalised(&[("‖Δx‖/2", &norms)]) + flat;
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
     let gallery =
-        |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3, occlusion: true };
+        |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.5, occlusion: true };
     let assignment = gallery(vec![
         Look { title: "original", mesh, coloring: None },
         Look {
@@ -412,7 +414,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let picture = gallery::errors(
         "torus",
         &format!(
-            "Uniform weights are wrong on the whole torus, on the mean {} outside and {} around the hole; cotangents are off in spots only. In the root mean square that is {} % of H against {} %. The error of H on a jittered torus; grey is zero.",
+            "Uniform weights are wrong on the whole torus, on average {} outside and {} around the hole; cotangents are off in spots only. In the root mean square that is {} % of H against {} %. The error of H on a jittered torus; grey is zero.",
             by(outer),
             by(inner),
             brief(first),
@@ -451,7 +453,7 @@ fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
 fn planes(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "planes",
-        "What is left on a plane: the largest ½‖Δx‖ and the largest |H| with sign, as multiples of 1 / mean edge length. All of it is an artefact.",
+        "The largest ‖Δx‖/2 and the largest signed |H| on planes, as multiples of 1/h. The exact value is zero.",
         &[
             ("mesh", Unit::Label),
             ("operator", Unit::Label),

@@ -1,35 +1,31 @@
 //! Question 4: a mesh from its k smoothest modes.
 
+mod pictures;
 mod section;
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
-use fairing_figure::{
-    Axis, Figure, Legend, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Shape, Up,
-    Viewpoint,
-};
+use fairing_figure::Series;
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
-use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
 use fairing_shapes as shapes;
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
 use ndarray::ArrayView2;
 
-use super::gallery::{Coloring, Gallery, Look, Range, plotted};
+use self::pictures::{decay, eigenvalues, modes_picture, picture, view};
 use super::gap;
 use super::mode_sums;
-use super::models::slug;
-use super::refinement::second_order;
+use super::refinement::between;
 use super::seen;
 use super::surfaces::{Sampling, TestSurface};
 use super::torus;
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
-use crate::outcome::{Attachment, Content, MeshOutput, Outcome, Picture};
+use crate::outcome::{Attachment, Content, MeshOutput, Outcome};
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Shown, Verdict, ViewState};
-use crate::view::{Panel, Slider, View};
+use crate::view::View;
 
 pub(super) struct Reconstruction;
 
@@ -42,6 +38,9 @@ const FULL: usize = 1500;
 /// The name of the generated mesh, which both kinds of runs have.
 const BALL: &str = "bumpy ball";
 
+/// The figure of the first mesh from k modes.
+const FIRST: &str = "rebuilt";
+
 /// An error of all modes below this, over the diagonal, is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -50,11 +49,6 @@ const FLOOR: f64 = 1e-12;
 
 /// Tolerance left by the angle of the kept space.
 const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
-
-const VIEWS: [Viewpoint; 2] = [
-    Viewpoint::Angles { azimuth: 20.0, elevation: 10.0 },
-    Viewpoint::Angles { azimuth: 140.0, elevation: 20.0 },
-];
 
 impl Experiment for Reconstruction {
     fn card(&self) -> Card {
@@ -111,7 +105,7 @@ impl Experiment for Reconstruction {
             for (a, b) in measured.iter().zip(rows.column("predicted RMS")?) {
                 mismatch = mismatch.max((a - b).abs());
             }
-            steps.push(measured[1] / measured[0]);
+            steps.push(100.0 * (1.0 - measured[1] / measured[0]));
         }
         let all = errors.only(&[("mesh", names[0].as_str().into())])?;
         let ks = all.column("k")?;
@@ -123,13 +117,17 @@ impl Experiment for Reconstruction {
             _ => Verdict::Refuted,
         };
         let reason = format!(
-            "{}, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} goes to {} of what it was; {}.",
+            "{}, and Parseval's identity predicts it to {}. From {} to {} modes the error of the {} falls by {:.0} %; {}.",
             if falling { FALLS } else { RISES },
-            brief(mismatch),
+            if mismatch < ROUNDING {
+                "rounding".to_string()
+            } else {
+                format!("{} of the diagonal", brief(mismatch))
+            },
             ks[0],
             ks[1],
             names[0],
-            brief(steps[0]),
+            steps[0],
             what_is_left(ks[ks.len() - 1], complete, last),
         );
         let [[least, most], [low, high]] =
@@ -143,14 +141,14 @@ impl Experiment for Reconstruction {
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
                 .finding(format!(
-                    "How much the first modes help depends on the shape: going from {} to {} of them leaves between {} and {} of the error.",
+                    "It does; how much the first modes help depends on the shape: from {} to {} modes the error falls by {:.0} to {:.0} %.",
                     ks[0],
                     ks[1],
-                    brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
-                    brief(steps.iter().copied().fold(0.0, f64::max)),
+                    steps.iter().copied().fold(f64::INFINITY, f64::min),
+                    steps.iter().copied().fold(0.0, f64::max),
                 ))
                 .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
-                .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
+                .number(&format!("the error falls from {} to {} modes by", ks[0], ks[1]), steps[0], Unit::Percent)
                 .number("error with all modes", last, Unit::Diagonals),
             Judgement::new(
                 "4b",
@@ -345,8 +343,11 @@ impl<'a> Rebuilt<'a> {
         let errors: Vec<(usize, f64)> =
             stops.iter().map(|&k| (k, predicted[k] / diagonal)).collect();
         let to_see = seen::reconstructions(name, &errors);
-        outcome.figures.push(picture(&id, name, &to_see, mesh, &stops, &meshes, occlusion)?);
-        outcome.views.push(view(&id, name, &to_see, mesh, &stops, &meshes));
+        // The section shows the first of them by a name that does not depend on the mesh.
+        let figure = if with_modes { FIRST } else { &id };
+        outcome.figures.push(picture(figure, name, &to_see, mesh, &stops, &meshes, occlusion)?);
+        let shown = view(&id, name, &to_see, mesh, &stops, &meshes);
+        outcome.views.push(View { fallback: figure.into(), ..shown });
         if with_modes {
             outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
         }
@@ -404,96 +405,6 @@ fn sphere(context: &Context<'_>, finest: u32) -> Result<Table> {
     Ok(table)
 }
 
-fn picture(
-    id: &str,
-    name: &str,
-    to_see: &str,
-    mesh: &TriMesh,
-    stops: &[usize],
-    rebuilt: &[TriMesh],
-    occlusion: bool,
-) -> Result<Picture> {
-    let titles: Vec<String> = stops.iter().map(|k| format!("k = {k}")).collect();
-    let mut looks = vec![];
-    for i in [0, 1, 3, stops.len() - 1] {
-        if let (Some(title), Some(mesh)) = (titles.get(i), rebuilt.get(i)) {
-            looks.push((title.as_str(), mesh));
-        }
-    }
-    looks.push(("original", mesh));
-    looks.dedup_by_key(|l| l.0);
-    let looks =
-        looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
-        id,
-        &format!("{to_see} The {name} from k modes, and the original, from two viewpoints (Figure 4 of the original report)."),
-        &format!("Pictures of the {name}: the more modes, the closer it comes to the original."),
-    )
-}
-
-/// The modes drawn, by number.
-const DRAWN: [usize; 5] = [1, 2, 4, 9, 29];
-
-fn modes_picture(
-    id: &str,
-    name: &str,
-    mesh: &TriMesh,
-    modes: &Spectrum,
-    occlusion: bool,
-) -> Result<Picture> {
-    let fields: Vec<(String, ScalarCurvature)> = DRAWN
-        .iter()
-        .filter(|&&i| i < modes.len())
-        .map(|&i| {
-            let mode = modes.modes.column(i);
-            let largest = mode.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
-            let n = mesh.vertex_count();
-            let field = ScalarCurvature::new(
-                mode.iter().map(|x| x / largest).collect(),
-                vec![VertexStatus::Defined; n],
-                vec![false; n],
-            );
-            (format!("mode {i}, ω = {}", brief(modes.values[i])), field)
-        })
-        .collect();
-    let changes: Vec<usize> =
-        fields.iter().map(|(_, field)| sign_changes(mesh, &field.values)).collect();
-    let rising = changes.windows(2).all(|w| w[0] < w[1]);
-    let to_see = match (rising, changes.first(), changes.last()) {
-        (true, Some(first), Some(last)) => format!(
-            "The larger the eigenvalue, the more often the sign changes: across {first} edges in the first mode drawn, across {last} in the last."
-        ),
-        _ => "Each mode divides the surface in its own way.".into(),
-    };
-    let options =
-        ScaleOptions { limits: Limits::Fixed { low: -1.0, high: 1.0 }, ..ScaleOptions::SIGNED };
-    let looks = fields
-        .iter()
-        .map(|(title, field)| Look {
-            title,
-            mesh,
-            coloring: Some(Coloring {
-                field,
-                range: Range::All,
-                options,
-                quantity: "mode over its largest value",
-                unit: "",
-            }),
-        })
-        .collect();
-    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
-        &format!("{id}-modes"),
-        &format!("{to_see} Modes of the {name}, from two viewpoints; signs are arbitrary, and so is the basis where eigenvalues are equal."),
-        &format!("The {name} five times from two sides, coloured from blue to red by one mode each."),
-    )
-}
-
-/// The number of edges across which a field changes its sign.
-fn sign_changes(mesh: &TriMesh, values: &[f64]) -> usize {
-    let changes = |edge: &&[u32; 2]| values[edge[0] as usize] * values[edge[1] as usize] < 0.0;
-    mesh.topology().edges().iter().filter(changes).count()
-}
-
 /// Eigenvalues and the energies of the positions in each cluster of them. The coefficients of
 /// single modes depend on signs, and within a cluster on the basis, which are the solver's choice;
 /// their squares, summed over a cluster, are not.
@@ -514,126 +425,6 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
         ),
         content: Content::Text(csv),
     })
-}
-
-fn view(
-    id: &str,
-    name: &str,
-    to_see: &str,
-    mesh: &TriMesh,
-    stops: &[usize],
-    rebuilt: &[TriMesh],
-) -> View {
-    View {
-        id: format!("{id}-view"),
-        mesh: name.into(),
-        caption: format!(
-            "{to_see} The {name} from k modes (Figure 4 of the original report), beside the whole mesh."
-        ),
-        alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
-        fallback: id.into(),
-        color: None,
-        z_up: false,
-        sliders: vec![Slider::new("k", stops)],
-        start: vec![2.min(stops.len() - 1)],
-        panels: vec![
-            Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),
-            Panel::still("original", mesh),
-        ],
-        from: Some(1),
-        truth: Some(mesh.positions().to_vec()),
-    }
-}
-
-/// The number of modes at which meshes are compared in words.
-const COMPARED: usize = 50;
-
-/// The names of the curves with the least and the greatest error at [`COMPARED`] modes.
-fn extremes(curves: &[Series]) -> Option<[&str; 2]> {
-    let at = |series: &Series| {
-        let Shape::Line(points) = &series.shape else { return None };
-        points.iter().rev().find(|p| p[0] <= COMPARED as f64).map(|p| p[1])
-    };
-    let known = || curves.iter().filter_map(|c| Some((at(c)?, c.name.as_str())));
-    let least = known().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let most = known().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (least.1 != most.1).then_some([least.1, most.1])
-}
-
-/// Two orders to two digits, or one if they do not differ in them.
-fn between(least: f64, most: f64) -> String {
-    let [low, high] = [least, most].map(|x| format!("{x:.2}"));
-    if low == high { low } else { format!("{low} to {high}") }
-}
-
-fn decay(curves: Vec<Series>) -> Result<Picture> {
-    let plot = Plot {
-        x: Axis::log("modes k"),
-        y: Axis::log("RMS displacement / diagonal"),
-        legend: Legend::Lines,
-        series: curves,
-        ..Plot::default()
-    };
-    let mut figure = Figure::default();
-    let to_see = extremes(&plot.series).map_or(String::new(), |[least, most]| {
-        format!("The smoother the shape, the fewer modes it needs: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
-    });
-    let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
-    figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 280.0)?));
-    let picture = plotted(
-        &figure,
-        "decay",
-        &format!(
-            "{to_see}The error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box."
-        ),
-        "Curves that fall from a few per cent at one mode, fast where k reaches the number of vertices.",
-    )?;
-    Ok(names.iter().fold(picture, |picture, name| {
-        picture.linked("", name, &format!("{}-view", slug(name)), "k")
-    }))
-}
-
-/// Errors of eigenvalues over h.
-fn eigenvalues(sphere: &Table, torus: &Table) -> Result<Picture> {
-    let mut plot = Plot {
-        x: Axis::log("mean edge length h"),
-        y: Axis::log("relative error"),
-        legend: Legend::Lines,
-        ..Plot::default()
-    };
-    let mut steepness = vec![];
-    for (name, table) in [("sphere", sphere), ("torus", torus)] {
-        for sampling in Sampling::BOTH {
-            let rows = table.only(&[("sampling", sampling.name().into())])?;
-            let points = rows.column("h")?.into_iter().zip(rows.column("error")?);
-            let name = match sampling {
-                Sampling::Regular => name.to_string(),
-                Sampling::Jittered => format!("{name}, {}", sampling.name()),
-            };
-            plot.series.push(Series::marked(name, points.map(<[f64; 2]>::from).collect()));
-            steepness.extend(rows.numbers("order")?);
-        }
-    }
-    let is_second = steepness.iter().all(|order| (1.8..2.2).contains(order));
-    let to_see = match is_second {
-        true => {
-            "All lines are as steep as the dashed one: half the edge length leaves a quarter of the error"
-        }
-        false => {
-            "Not all lines are as steep as the dashed one, at which half the edge length leaves a quarter of the error"
-        }
-    };
-    plot.series.extend(second_order(&plot.series));
-    let mut figure = Figure::default();
-    figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
-    plotted(
-        &figure,
-        "eigenvalues",
-        &format!(
-            "{to_see}. Eigenvalues of the unit sphere and of a torus against the exact ones, under refinement, on regular and on jittered meshes."
-        ),
-        "Four falling lines of error over mean edge length on logarithmic axes, with a dashed line of second order.",
-    )
 }
 
 const FORMULAS: [&str; 1] = [

@@ -43,8 +43,8 @@ fn section() -> Section {
     .commands(&["fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.05 --iterations 50", "fairing compare smooth.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
     .sources(&["taubin1995", "desbrun1999"])
-    .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
-    .shows(&["sweep"], &[])
+    .notation(&["x", "X", "T", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
+    .shows(&["sweep", "patch", "machine-part"], &[])
     .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part"), ("cube-view", "the cube"), ("flows", "scores of the four steps"), ("sweep", "errors over λ"), ("best", "the best λ over noise and resolution"), ("spectra", "the smallest eigenvalues and the stable limit")])
     .playground(
         "diffusion",
@@ -63,7 +63,7 @@ impl Experiment for ExplicitFlow {
             title: "Explicit smoothing",
             question: "Explicit diffusion x ← x + λLx with the uniform Laplacian, 50 iterations: what λ is good, and what happens beyond?",
             method: format!(
-                "The assignment's {} values of λ are run on its two noisy meshes and a cube, and compared with the truth. A step multiplies each mode of L by 1 + λμ, so the smallest eigenvalue μ decides what is stable.\n\nThe ground truth of the machine part is a mesh with the same faces; that of the patch, its vertices projected to the best-fit plane; that of the cube, the cube. Measured are the normal error (the mean angle between the normals of faces and of the truth), the vertex error (the mean distance of the vertices from the true surface), the surface error (the mean distance both ways, which sees that a patch has shrunk), volume, area, creases (edges that turn by {}° or more, found and true ones compared by their F-score: recall alone is perfect where every edge is sharp), and how far vertices moved.\n\nA fine sweep of λ follows, and another one over a generated machine part at two resolutions with three levels of noise, to see whether the best λ is a constant. The best is the one with the least surface error; the one with the least normal error is shown beside it.\n\nThe smallest eigenvalue is measured and compared with its bounds: μ ≥ −3/2 on every closed triangle mesh (sum (x₁ + x₂ + x₃)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −|V|, μ ≤ −|V|/(|V| − 1) on all of them. So λ = {DIVERGENT} diverges on every mesh.",
+                "The assignment's {} values of λ are run on its two noisy meshes and a cube, and compared with the truth. A step multiplies each mode of L by 1 + λμ, so the smallest eigenvalue μ decides which λ are stable. On a closed mesh it is never below −3/2: for a mode x, add (x₁ + x₂ + x₃)² over all triangles. Each vertex is in as many triangles as it has neighbours and each edge in two, so the sum is (3 + 2μ) xᵀDx, and no sum of squares is negative. It is zero if the three values in each triangle add up to zero, for example −1, 0 and 1: a mesh whose vertices can be coloured in this way has a mode of −3/2, and is stable up to λ = 4/3 and not beyond.\n\nThe ground truth of the machine part is a mesh with the same faces; that of the patch, its vertices projected to the best-fit plane; that of the cube, the cube. Measured are the normal error (the mean angle between the normals of faces and of the truth), the vertex error (the mean distance of the vertices from the true surface), the surface error (the mean distance both ways, which sees that a patch has shrunk), volume, area, creases (edges that turn by {}° or more, found and true ones compared by their F-score: recall alone is perfect where every edge is sharp), and how far vertices moved.\n\nA fine sweep of λ follows, and another one over a generated machine part at two resolutions with three levels of noise, to see whether the best λ is a constant. The best is the one with the least surface error; the one with the least normal error is shown beside it.\n\nThe smallest eigenvalue is measured and compared with its bounds: μ ≥ −3/2 on every closed triangle mesh, μ ≥ −7/4 on every open one, and, since the trace of L is −|V|, μ ≤ −|V|/(|V| − 1) on all of them. So λ = {DIVERGENT} is unstable on every mesh.",
                 LAMBDAS.len(),
                 models::FEATURE
             ),
@@ -149,7 +149,7 @@ impl Experiment for ExplicitFlow {
                 match is_best {
                     true => format!("Of the four steps λ = {CLAIMED} is the best on both meshes, but there is no best λ as such."),
                     false => format!(
-                        "There is no best λ: the patch and the machine part want {} and {}.",
+                        "There is no best λ: on the patch and the machine part it is {} and {}.",
                         brief(swept.surface[0].lambda),
                         brief(swept.surface[1].lambda)
                     ),
@@ -182,7 +182,7 @@ fn at_the_largest(growth: f64, eigenvalue: f64) -> String {
     let grown = brief(growth);
     match growth > DIVERGED {
         true => format!(
-            "λ = {DIVERGENT} does worse than deform: it is unstable. The smallest eigenvalue μ is {} or less on these meshes, so each step multiplies the roughest mode by {} or more in size; with a little noise, which brings that mode in, even the slowest-growing mesh is {grown} times as large after {ITERATIONS} steps. (Without noise a regular octahedron only flips from side to side for ever: its vertices have μ = −1.)",
+            "λ = {DIVERGENT} does worse than deform a mesh: it is unstable. The smallest eigenvalue μ is {} or less on these meshes, so each step multiplies the roughest mode by {} or more in size; with a little noise, which brings that mode in, even the slowest-growing mesh is {grown} times as large after {ITERATIONS} steps. (Without noise a regular octahedron only flips from side to side for ever, because its coordinates are modes of μ = −1.)",
             short(eigenvalue),
             short((1.0 + DIVERGENT * eigenvalue).abs())
         ),
@@ -202,7 +202,7 @@ const SEVERAL: &str = "There is no best λ as such.";
 fn right_about_normals(best: Best) -> String {
     let ratio = (best.lambda / CLAIMED).max(CLAIMED / best.lambda);
     match ratio < ALIKE {
-        true => format!("Judged by the normals of the machine part, {CLAIMED} is about right."),
+        true => format!("By the normals of the machine part {CLAIMED} is about right."),
         false => String::new(),
     }
 }
@@ -326,7 +326,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
 fn spectra(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "spectra",
-        &format!("The smallest eigenvalue μ of L = D⁻¹W − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −|V|/(|V| − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
+        &format!("The smallest eigenvalue μ of L = D⁻¹W − I as measured, its lower bound (−3/2 if closed, −7/4 if open), and its upper bound −|V|/(|V| − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -372,7 +372,8 @@ fn spectra(models: &[Model]) -> Result<Table> {
     Ok(table)
 }
 
-const FORMULAS: [&str; 1] = [
+const FORMULAS: [&str; 2] = [
+    r"0 \le \sum_T (x_1 + x_2 + x_3)^2 = x^\top D x + 2\, x^\top W x = (3 + 2\mu)\, x^\top D x",
     r"x^{s+1} = x^s + \lambda L x^s, \qquad L = D^{-1}W - I, \qquad \text{each mode times } 1 + \lambda\mu",
 ];
 

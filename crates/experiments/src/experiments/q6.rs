@@ -55,14 +55,14 @@ const INVISIBLE: f64 = 0.05;
 fn section() -> Section {
     Section::new(
         Act::Diffusion,
-        "Implicit steps divide instead of multiplying, and no step is too long. Whether long steps are \
+        "Implicit steps divide instead of multiplying, and every step is stable. Whether long steps are \
                 useful is another question.",
     )
     .commands(&["fairing smooth noisy.ply -o smooth.ply --method implicit --lambda 5 --iterations 10", "fairing compare smooth.ply truth.ply"])
     .edge_lengths_of("the mesh without noise, the truth")
     .sources(&["desbrun1999"])
     .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
-    .shows(&["machine-part-view", "sweep"], &[])
+    .shows(&["machine-part-view", "sweep", "machine-part"], &[])
     .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
 }
 
@@ -74,7 +74,7 @@ impl Experiment for ImplicitFlow {
             title: "Implicit smoothing",
             question: "Implicit diffusion (I − λL)x' = x (Desbrun et al. 1999, eq. 9): what do λ and the number of iterations do, and how does it compare with explicit steps?",
             method: format!(
-                "Each step solves a linear system whose matrix, D − λ(W − D), is symmetric and positive definite. A mode is divided by 1 − λμ ≥ 1, so that no λ is unstable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance q lies q²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −q²/(2r²), with q² the mean squared edge length. So s steps multiply the radius by (1 + λq²/(2r²))⁻ˢ, and the volume by its cube.",
+                "Each step solves a linear system whose matrix, D − λ(W − D), is symmetric and positive definite. Each mode is divided by 1 − λμ ≥ 1, so that every λ is stable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance q lies q²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −q²/(2r²), with q² the mean squared edge length. So s steps multiply the radius by (1 + λq²/(2r²))⁻ˢ, and the volume by its cube.",
                 LAMBDAS.len()
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
@@ -157,10 +157,10 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Stable: {}, the diagonal is at most {} times as long after a run as before, over all λ above zero. Only the edges: {}. At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
-        if stable { "yes" } else { "no" },
+        "Implicit smoothing {}: over all λ above zero the diagonal is at most {} times as long after a run as before. {} At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
+        if stable { "is stable" } else { "is not stable" },
         brief(growth),
-        if only_edges { "yes" } else { "no" },
+        if only_edges { "Only the edges deform." } else { "But not only the edges deform." },
         brief(border),
         brief(inside),
         brief(closed),
@@ -172,11 +172,13 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     let claim =
         "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
     let finding = format!(
-        "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}; the normals of the machine part at {}.",
+        "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}, diffusion times {} and {}; the normals of the machine part at λ = {}.",
         if stable { "are stable at every λ" } else { "are not always stable" },
         if only_edges { "only edges move" } else { "the whole shape shrinks, not the edges alone" },
         brief(best[0]),
         brief(best[1]),
+        brief(best[0] * ITERATIONS as f64),
+        brief(best[1] * ITERATIONS as f64),
         brief(swept.normals[1].lambda),
     );
     let state = ViewState::at(&[4, 1]).field("displacement");
@@ -223,10 +225,10 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} of that distance. What looked like convergence is a longer diffusion: in the original report {} units of time beside {}.",
+        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} % of that distance. What looked like convergence was a longer diffusion: in the original report {} units of time beside {}.",
         brief(least),
         brief(apart),
-        brief(ratio),
+        brief(100.0 * ratio),
         brief(few as f64 * CLAIMED),
         brief(few as f64 * REPORT),
     );
@@ -451,8 +453,9 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         false => "differ",
     };
     let caption = format!(
-        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but a hundredth of the diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number (Figure 11 of the original report).",
+        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but {} times less diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number (Figure 11 of the original report).",
         brief(apart),
+        brief(CLAIMED / REPORT),
         model.name
     );
     let alt = format!(
@@ -465,4 +468,4 @@ fn over_iterations(model: &Model) -> Result<Picture> {
 }
 
 const FORMULAS: [&str; 1] =
-    [r"(I - \lambda L)\, x^{s+1} = x^s, \qquad \text{each mode over } 1 - \lambda\mu \ge 1"];
+    [r"(I - \lambda L)\, x^{s+1} = x^s, \qquad \text{each mode divided by } 1 - \lambda\mu \ge 1"];

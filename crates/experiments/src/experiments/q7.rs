@@ -31,9 +31,9 @@ const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
 /// The same for a quick run.
 const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
 
-/// Seeds of the methods, and of those that take several times as long as all others together. The
-/// standard error of the normal error is then well below a degree where a method is near the limit of what
-/// counts as kept.
+/// Numbers of seeds: of most methods, and of those that take several times as long as all others
+/// together. The standard error of the normal error is then well below a degree where a method is
+/// near the limit of a kept shape.
 const SEEDS: [usize; 2] = [5, 3];
 
 /// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher
@@ -51,7 +51,7 @@ fn section() -> Section {
     .edge_lengths_of("the mesh without noise, the truth")
     .sources(&["desbrun1999", "taubin1995", "zheng2011", "zhang2015"])
     .notation(&["T", "n", "E_a", "E_v"])
-    .shows(&["levels-view", "normals"], &[])
+    .shows(&["levels-view", "normals", "levels"], &[])
     .names(&[("scan-view", "the creature"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one part with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])
 }
 
@@ -63,7 +63,7 @@ impl Experiment for GrowingNoise {
             title: "Denoising under growing noise",
             question: "When does smoothing remove noise, and when does it fail? What works instead?",
             method: format!(
-                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a generated machine part with coarse faces, a smooth torus and a bumpy body with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Its networks are trained on generated meshes, such parts, tori and bumpy balls among them, so that its results on those three, and on a generated machine part in the place of the assignment's, are no test of it; the section on denoisers has meshes that it has not seen.\n\nExplicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues; in a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are the normal error E_a, the mean angle between the normals of matching faces of the result and of the truth, and the vertex error E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while the normal error stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
+                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a generated machine part with coarse faces, a smooth torus and a bumpy body with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Its networks are trained on generated meshes, such parts, tori and bumpy balls among them, so that its results on those three, and on a generated machine part in the place of the assignment's, are no test of it; the section on denoisers has meshes that it has not seen.\n\nExplicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues; in a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are the normal error E_a, the mean angle between the normals of matching faces of the result and of the truth, and the vertex error E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at low noise it can do more harm than the noise. A shape is called kept while the normal error stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
                 REPORT_EXPLICIT.count,
                 REPORT_EXPLICIT.lambda,
                 REPORT_IMPLICIT.count,
@@ -214,7 +214,7 @@ impl Running {
 fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
     let mut table = Table::new(
         "modes",
-        "The spectral method: a twentieth of the modes, how many are kept to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
+        "A twentieth of the modes, the number that the spectral method keeps to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),

@@ -209,3 +209,9 @@ pub(super) fn finest(
     ])?;
     rows.column("RMS error")?.last().copied().context("an empty table")
 }
+
+/// Two orders to two digits, or one if they do not differ in them.
+pub(super) fn between(least: f64, most: f64) -> String {
+    let [low, high] = [least, most].map(|x| format!("{x:.2}"));
+    if low == high { low } else { format!("{low} to {high}") }
+}

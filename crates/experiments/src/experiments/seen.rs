@@ -1,5 +1,5 @@
-//! Sentences on the effects visible in pictures, made from the values that are drawn: a caption says
-//! nothing that its picture does not show.
+//! Sentences on the effects visible in pictures, made from the values that are drawn: a caption
+//! says nothing that its picture does not show.
 
 use fairing_operators::curvature::ScalarCurvature;
 
@@ -133,10 +133,10 @@ pub(super) fn errors(fields: &[(&str, &[f64])]) -> String {
         let share = percent(most, values.len());
         match 10 * most > 9 * values.len() {
             true => {
-                format!("That of {name} has one sign at {share} of the vertices: it is smooth.")
+                format!("That of {name} has one sign at {share} of the vertices; it is smooth.")
             }
             false => format!(
-                "That of {name} has either sign ({share} of the vertices one of them): it is noise."
+                "That of {name} has one sign at {share} of the vertices, the other at the rest; it is noise."
             ),
         }
     });
@@ -165,7 +165,7 @@ pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> String {
     let most = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     match (least, most) {
         (Some((a, x)), Some((b, y))) => format!(
-            "The least normal error is that of {a}, {}°, the largest that of {b}, {}°.",
+            "{a} leaves the least normal error, {}°, {b} the largest, {}°.",
             brief(*x),
             brief(*y)
         ),
@@ -230,8 +230,10 @@ mod tests {
     #[test]
     fn errors_are_smooth_or_noise() {
         let text = errors(&[("a", &[1.0, -1.0, 2.0, -2.0]), ("b", &[1.0; 20])]);
-        assert!(text.contains("That of a has either sign (50 % of the vertices one of them)"));
-        assert!(text.contains("That of b has one sign at 100 % of the vertices"));
+        assert!(text.contains(
+            "That of a has one sign at 50 % of the vertices, the other at the rest; it is noise."
+        ));
+        assert!(text.contains("That of b has one sign at 100 % of the vertices; it is smooth."));
     }
 
     #[test]
@@ -248,7 +250,7 @@ mod tests {
     #[test]
     fn the_best_and_the_worst_have_their_errors() {
         let text = best_and_worst(&[("x", 2.5), ("y", 1.5), ("z", 9.0)]);
-        let expected = "The least normal error is that of y, 1.5°, the largest that of z, 9°.";
+        let expected = "y leaves the least normal error, 1.5°, z the largest, 9°.";
         assert_eq!(text, expected);
     }
 

@@ -1,7 +1,8 @@
 //! Repair: one call that mends what scanners, modellers and exporters leave in files.
 //!
-//! A round runs the steps in the order of [`RepairStep::ALL`]; rounds follow until one changes
-//! nothing, so that a repaired mesh is left as it is by a second call.
+//! A round runs the steps in the order of [`RepairStep::ALL`], all but the filling of holes; rounds
+//! follow until one changes nothing. Then holes are filled, and rounds follow again: the result is
+//! taken if less boundary is left. So a repaired mesh is left as it is by a second call.
 
 mod holes;
 mod merge;
@@ -127,7 +128,8 @@ pub enum RepairStep {
     /// Holes filled, each named by the lowest vertex of its boundary.
     FilledHoles,
     /// Holes that were not too large but could not be filled: every triangulation would repeat an
-    /// edge of the mesh. Each is named by the lowest vertex of its boundary.
+    /// edge of the mesh, or other steps would remove the patch. Each is named by the lowest vertex
+    /// of its boundary.
     OpenHoles,
 }
 
@@ -299,15 +301,14 @@ pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, Repai
     options.check()?;
     watch::stage("repairing", 0);
     let mut work = Work::new(mesh);
-    let mut rounds = 0;
-    while rounds < MAX_ROUNDS && work.round(options) {
-        rounds += 1;
-    }
+    work.settle(options);
+    while options.holes > 0 && work.fill(options) {}
     check_positions(work.mesh.positions()).map_err(RepairError::Positions)?;
     Ok(work.finish(mesh))
 }
 
 /// A mesh under repair, with the sources of its elements in the input.
+#[derive(Clone)]
 struct Work {
     mesh: TriMesh,
     vertex_sources: Vec<Option<u32>>,
@@ -331,7 +332,29 @@ impl Work {
         }
     }
 
-    /// Runs all steps once. Returns true if the mesh has changed.
+    /// Runs rounds until one changes nothing. Returns false if the last one still did.
+    fn settle(&mut self, options: &RepairOptions) -> bool {
+        (0..MAX_ROUNDS).any(|_| !self.round(options))
+    }
+
+    /// Fills holes, and settles. Returns false, with the mesh as it was, if that does not leave
+    /// less boundary: a patch that makes an edge non-manifold is cut off again.
+    fn fill(&mut self, options: &RepairOptions) -> bool {
+        let mut filled = self.clone();
+        filled.fill_holes(options.holes, &filled.places(options));
+        let notes = filled.changes[self.changes.len()..].to_vec();
+        let boundary = |work: &Self| work.mesh.topology().boundary_edges().count();
+        let any = filled.mesh.face_count() > self.mesh.face_count();
+        if any && filled.settle(options) && boundary(&filled) < boundary(self) {
+            *self = filled;
+            return true;
+        }
+        let open = notes.into_iter().map(|(_, holes)| (RepairStep::OpenHoles, holes));
+        self.changes.extend(open);
+        false
+    }
+
+    /// Runs all steps once, except that holes stay. Returns true if the mesh has changed.
     fn round(&mut self, options: &RepairOptions) -> bool {
         let before = self.mesh.clone();
         self.sew(options);
@@ -346,10 +369,6 @@ impl Work {
         }
         if options.isolated {
             self.drop_isolated();
-        }
-        if options.holes > 0 && self.mesh == before {
-            let places = self.places(options);
-            self.fill_holes(options.holes, &places);
         }
         self.mesh != before
     }

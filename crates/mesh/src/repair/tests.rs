@@ -279,6 +279,44 @@ fn what_cannot_be_filled_stays_open() {
     }
 }
 
+/// A patch that makes an edge non-manifold is cut off there, and alone it is too small to stay.
+#[test]
+fn a_hole_stays_open_if_its_patch_would_be_removed() {
+    let positions = [
+        [1.0, 3.0, 0.0],
+        [3.0, -3.0, 2.0],
+        [-1.0, -2.0, 4.0],
+        [1.0, -2.0, -1.0],
+        [4.0, -2.0, 3.0],
+        [-1.0, 4.0, -3.0],
+        [-2.0, -1.0, 3.0],
+        [0.0, -2.0, -3.0],
+        [3.0, 0.0, 2.0],
+        [0.0, 0.0, 3.0],
+        [0.0, 4.0, 3.0],
+        [1.0, -3.0, 0.0],
+    ];
+    let faces = [
+        [11, 2, 5],
+        [11, 6, 0],
+        [4, 9, 7],
+        [3, 8, 2],
+        [0, 9, 3],
+        [10, 5, 3],
+        [9, 3, 5],
+        [11, 0, 2],
+        [1, 0, 3],
+        [3, 0, 2],
+        [8, 2, 0],
+        [0, 4, 9],
+        [5, 3, 2],
+    ];
+    let options = RepairOptions { smallest_component: 3, holes: 12, ..Default::default() };
+    let result = checked(&mesh(&positions, &faces), &options);
+    assert!(!result.changed(RepairStep::OpenHoles).is_empty());
+    assert!(!result.changed(RepairStep::FilledHoles).is_empty());
+}
+
 #[test]
 fn limits_are_checked() {
     for options in [

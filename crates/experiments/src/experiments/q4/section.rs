@@ -6,7 +6,7 @@ use crate::section::{Act, Section};
 pub(super) fn section() -> Section {
     Section::new(
         Act::Spectrum,
-        "The same matrix that gave curvature has eigenvectors, and they are a basis for any \
+        "The same matrix that gave curvature has eigenvectors, and they form a basis for every \
             function on the mesh, its positions included. How many does a shape need?",
     )
     .commands(&[
@@ -16,7 +16,7 @@ pub(super) fn section() -> Section {
     .edge_lengths_of("each mesh")
     .sources(&["vallet2008", "karni2000", "reuter2006"])
     .notation(&["x", "X", "i", "j", "S", "M", "\\varphi", "\\omega", "\\delta", "k"])
-    .shows(&["modes-view", "decay"], &[])
+    .shows(&["modes-view", "decay", "rebuilt"], &[])
     .names(&[
         ("eigenvalues", "eigenvalues under refinement"),
         ("small-creature-view", "the small creature from k modes"),

@@ -39,7 +39,7 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "resolution",
         &format!(
-            "A generated machine part with faces of several sizes under the same noise in model units: the normal error of the noisy mesh and after each method, means over the seeds, the largest standard error of the means, and which flows of the report keep the shape (a normal error below {KEPT}°, no more than {SHRUNK} % of the volume lost)."
+            "The normal error of a generated machine part with faces of several sizes under the same noise in model units, without and with each method; means over the seeds, and the largest standard error of the means. The last column has the flows of the original report that keep the shape (a normal error below {KEPT}°, no more than {SHRUNK} % of the volume lost)."
         ),
         &[
             ("vertices", Unit::Count),
@@ -253,7 +253,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let counts = features_count(coarse_and_best(resolution)?);
     let shares = list(&levels.iter().map(|l| l.share).collect::<Vec<_>>());
     let reason = format!(
-        "On the machine part the three levels are {} h. The flows of the original report ({}) leave normals off by {}. They keep the shape {} times out of {all}: below {KEPT}°, and no more than {SHRUNK} % of the volume lost. The best of all other methods leaves {}°. On a generated machine part with faces of {} sizes, h from {} down to {}, {}.{}",
+        "On the machine part the three levels are {} h. The four flows of the original report ({}) leave normal errors of {}. {} of these {all} keep the shape, with a normal error below {KEPT}° and no more than {SHRUNK} % of the volume lost. The best of all other methods leaves {}°. On a generated machine part with faces of {} sizes, h from {} down to {}, {}.{}",
         shares,
         Method::OF_THE_REPORT.map(Method::name).join("; "),
         each(&spread),

@@ -22,7 +22,7 @@ pub(super) const ERRORS: f64 = 2.0;
 pub(super) fn table(sweep: &Results) -> Result<Results> {
     let mut table = Results::new(
         "limits",
-        "Where each method helps: the first level at which its mean error is below that of the noisy input, and the first one at which it no longer is; a dash means that it still helps at the last level. Then the level up to which the shape is kept, with the range that two standard errors of the normal error leave; ∞ means to the end of the sweep. The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
+        "The range of noise in which each method helps, from the first level at which its mean error is below that of the noisy input to the first one at which it no longer is (a dash means that it still helps at the last level), and the level up to which it keeps the shape, with the range that two standard errors of the normal error leave (∞ means to the end of the sweep). The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
         &[
             ("mesh", Unit::Label),
             ("method", Unit::Label),
@@ -142,6 +142,18 @@ struct Limit {
     high: f64,
 }
 
+impl Limit {
+    /// The limit and its range: `up to 0.5 h (0.4 to 0.6 h)`.
+    fn words(self) -> String {
+        let range = format!("({} to {} h)", brief(self.low), brief(self.high));
+        match self.kept {
+            0.0 => format!("at no level {range}"),
+            kept if kept.is_finite() => format!("up to {} h {range}", brief(kept)),
+            _ => format!("at all levels {range}"),
+        }
+    }
+}
+
 /// Orders two limits.
 fn compare(a: Limit, b: Limit) -> Option<Ordering> {
     if a.low > b.high {
@@ -176,19 +188,21 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         let denoisers = limit(mesh, &|m| !m.is_linear())?;
         let order = compare(denoisers, flows);
         let words = match order {
-            Some(Ordering::Greater) => "further",
-            Some(_) => "less far",
-            None => "no measurable difference",
+            Some(Ordering::Greater) => "which is further",
+            Some(_) => "which is less far",
+            None => "which is no measurable difference",
         };
-        let range =
-            |l: Limit| format!("{} h ({} to {})", brief(l.kept), brief(l.low), brief(l.high));
-        sentences.push(format!("{mesh}: {} and {}, {words}", range(flows), range(denoisers)));
+        sentences.push(format!(
+            "On the {mesh} flows keep the shape {}, denoisers {}, {words}.",
+            flows.words(),
+            denoisers.words()
+        ));
         found.push(order);
         numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
     }
     let reason = format!(
-        "The level of noise up to which the best flow or filter without creases, and the best denoiser, keep the shape, with the range of two standard errors: {}.",
-        sentences.join("; "),
+        "Compared are the best flow or filter without creases and the best denoiser on each mesh; in brackets is the range of two standard errors. {}",
+        sentences.join(" "),
     );
     let claim = "Denoisers keep the shape under more noise than flows do";
     let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
@@ -211,16 +225,21 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
 fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String {
     let further = numbers.iter().zip(found).filter(|(_, o)| **o == Some(Ordering::Greater));
     let further: Vec<String> = further.map(|((mesh, _), _)| format!("the {mesh}")).collect();
+    let words = |kept: f64| match kept {
+        0.0 => "at no level".to_string(),
+        kept if kept.is_finite() => format!("up to {} h", brief(kept)),
+        _ => "at all levels".into(),
+    };
     let each = numbers.iter().map(|(mesh, [flows, denoisers])| {
-        format!("the {mesh} up to {} and {} h", brief(*denoisers), brief(*flows))
+        format!("on the {mesh} {} and {}", words(*denoisers), words(*flows))
     });
     let each = each.collect::<Vec<_>>().join(", ");
     let begin = match further.len() {
-        0 => "On no mesh is that measurable. ".into(),
-        n if n < found.len() => format!("They do on {} only. ", further.join(" and ")),
+        0 => "On no mesh is a difference measurable. ".into(),
+        n if n < found.len() => format!("Only on {}. ", further.join(" and ")),
         _ => String::new(),
     };
-    format!("{begin}Denoisers and flows keep {each} of noise.")
+    format!("{begin}Denoisers and flows keep the shape {each}.")
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.

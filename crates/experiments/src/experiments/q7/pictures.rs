@@ -221,13 +221,13 @@ pub(super) fn curves(sweep: &Table, model: &Table) -> Result<Vec<Picture>> {
             "normals",
             "normal error",
             "normal error in degrees",
-            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
+            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; coloured: methods that are best somewhere, each in one colour in all plots.",
         ),
         (
             "distances",
             "vertex error",
             "vertex error in h",
-            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise; in colour what is best at some level, in grey what never is.",
+            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise; coloured: methods that are best somewhere, each in one colour in all plots.",
         ),
     ];
     errors

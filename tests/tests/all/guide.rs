@@ -1,0 +1,191 @@
+//! The guide: its commands print what it shows and draw its pictures.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::command_line::program;
+
+/// The largest mean difference of a colour channel between a picture and its command, of 255: the
+/// renderer may change slightly before pictures have to be drawn again.
+const MAX_DIFFERENCE: f64 = 2.0;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The pages with their texts, in the order of their names.
+fn pages() -> Vec<(String, String)> {
+    let entries = fs::read_dir(root().join("docs/guide/src")).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut pages: Vec<(String, String)> = paths
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .map(|path| {
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            (name, fs::read_to_string(path).unwrap().replace("\r\n", "\n"))
+        })
+        .collect();
+    pages.sort();
+    pages
+}
+
+/// The blocks of code, each with its language.
+fn blocks(text: &str) -> Vec<(&str, &str)> {
+    let fences = text.split("```").skip(1).step_by(2);
+    fences.map(|block| block.split_once('\n').unwrap_or((block, ""))).collect()
+}
+
+/// The commands of a block, each with the lines shown below it.
+fn commands(block: &str) -> Vec<(&str, Vec<&str>)> {
+    let mut found: Vec<(&str, Vec<&str>)> = vec![];
+    for line in block.lines() {
+        match (line.strip_prefix("$ "), found.last_mut()) {
+            (Some(command), _) => found.push((command, vec![])),
+            (None, Some((_, shown))) => shown.push(line),
+            (None, None) => panic!("a listing begins with `{line}`, not with a command"),
+        }
+    }
+    found
+}
+
+/// The words of a command as a shell splits them: quotes hold a word together, and one star in a
+/// word stands for the files of a folder.
+fn words(command: &str, folder: &Path) -> Vec<String> {
+    let mut words = vec![];
+    for (i, piece) in command.split('\'').enumerate() {
+        if i % 2 == 1 {
+            words.push(piece.to_owned());
+            continue;
+        }
+        for word in piece.split_whitespace() {
+            let Some((before, after)) = word.split_once('*') else {
+                words.push(word.to_owned());
+                continue;
+            };
+            let inside = before.trim_end_matches(|c| c != '/');
+            let entries = fs::read_dir(folder.join(inside)).unwrap();
+            let mut files: Vec<String> = entries
+                .map(|entry| format!("{inside}{}", entry.unwrap().file_name().to_str().unwrap()))
+                .filter(|file| file.starts_with(before) && file.ends_with(after))
+                .collect();
+            assert!(!files.is_empty(), "`{command}`: no file is {word}");
+            files.sort();
+            words.extend(files);
+        }
+    }
+    words
+}
+
+/// Returns true if the lines are the shown ones, in which `…` stands for any text, and alone for
+/// any lines.
+fn fits(shown: &[&str], lines: &[&str]) -> bool {
+    match shown.split_first() {
+        None => lines.is_empty(),
+        Some((&"…", rest)) => (0..=lines.len()).any(|n| fits(rest, &lines[n..])),
+        Some((first, rest)) => lines
+            .split_first()
+            .is_some_and(|(line, more)| line_fits(first, line) && fits(rest, more)),
+    }
+}
+
+fn line_fits(shown: &str, line: &str) -> bool {
+    let Some((head, tail)) = shown.split_once('…') else { return shown == line };
+    let Some(rest) = line.strip_prefix(head) else { return false };
+    let ends = rest.char_indices().map(|(i, _)| i).chain([rest.len()]);
+    ends.into_iter().any(|end| line_fits(tail, &rest[end..]))
+}
+
+/// Runs a command of the program, or makes a folder, and compares the output with the shown lines;
+/// returns the fault, if any. A command fails exactly if an error is shown.
+fn fault(folder: &Path, command: &str, shown: &[&str]) -> Option<String> {
+    let words = words(command, folder);
+    match words.first().map(String::as_str) {
+        Some("fairing") => {}
+        Some("mkdir") => {
+            return fs::create_dir(folder.join(&words[1])).err().map(|e| e.to_string());
+        }
+        _ => return Some(format!("`{command}` is not run by any test")),
+    }
+    // Both streams in one file, in their order, as on a terminal.
+    let path = folder.join("output.txt");
+    let file = fs::File::create(&path).unwrap();
+    let status = Command::new(program())
+        .args(&words[1..])
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(file.try_clone().unwrap())
+        .stderr(file)
+        .status()
+        .expect("the program runs");
+    let output = fs::read_to_string(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    let lines: Vec<&str> = output.lines().map(str::trim_end).collect();
+    let fails = shown.iter().any(|line| line.contains("error: "));
+    let as_shown = shown.is_empty() || fits(shown, &lines);
+    (status.success() == fails || !as_shown)
+        .then(|| format!("`{command}` prints\n{output}and not\n{}\n", shown.join("\n")))
+}
+
+fn decode(path: &Path) -> (png::OutputInfo, Vec<u8>) {
+    let file = std::io::BufReader::new(fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info, pixels)
+}
+
+/// Compares a picture of a page with the one that its commands have drawn; returns the fault, if
+/// any. A missing picture of the page is drawn.
+fn picture_fault(folder: &Path, name: &str) -> Option<String> {
+    let drawn = folder.join(name);
+    if !drawn.is_file() {
+        return Some(format!("no command of the page draws {name}"));
+    }
+    let committed = root().join("docs/guide/src/pictures").join(name);
+    if !committed.is_file() {
+        fs::copy(&drawn, &committed).unwrap();
+        return Some(format!("{name} was missing; look at it and commit it"));
+    }
+    let ((old, before), (new, after)) = (decode(&committed), decode(&drawn));
+    let sum: f64 = before.iter().zip(&after).map(|(a, b)| f64::from(a.abs_diff(*b))).sum();
+    let is_same = old == new && sum <= MAX_DIFFERENCE * before.len() as f64;
+    (!is_same).then(|| format!("{name} looks different; delete it, and this test draws it again"))
+}
+
+#[test]
+fn commands_print_what_the_guide_shows() {
+    let mut faults = vec![];
+    for (page, text) in pages() {
+        let folder = tempfile::tempdir().unwrap();
+        let data = folder.path().join("data");
+        fs::create_dir(&data).unwrap();
+        for entry in fs::read_dir(root().join("data")).unwrap() {
+            let path = entry.unwrap().path();
+            fs::copy(&path, data.join(path.file_name().unwrap())).unwrap();
+        }
+        let mut found = vec![];
+        for (language, block) in blocks(&text) {
+            match language {
+                "console" => found.extend(
+                    commands(block)
+                        .iter()
+                        .filter_map(|(command, shown)| fault(folder.path(), command, shown)),
+                ),
+                // Doc tests and tests of the Python package; the others are not programs.
+                "rust" | "python" | "text" | "sh" => {}
+                _ => found.push(format!("no test runs code in `{language}`")),
+            }
+        }
+        let pictures = text.split("](pictures/").skip(1).filter_map(|rest| rest.split(')').next());
+        found.extend(pictures.filter_map(|name| picture_fault(folder.path(), name)));
+        faults.extend(found.into_iter().map(|fault| format!("{page}: {fault}")));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn an_ellipsis_stands_for_any_text_and_any_lines() {
+    let lines = ["mean 1.5", "least 0", "greatest 3"];
+    assert!(fits(&["mean …", "…"], &lines) && fits(&["…", "… 3"], &lines) && fits(&["…"], &lines));
+    assert!(!fits(&["mean …"], &lines) && !fits(&["…", "… 4"], &lines) && !fits(&[], &lines));
+}
