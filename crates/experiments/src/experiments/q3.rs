@@ -376,6 +376,23 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
     }
 }
 
+/// The mean of these values on the outer and on the inner half of a torus.
+fn around_the_hole(torus: &TriMesh, values: &[f64]) -> [f64; 2] {
+    [true, false].map(|outer| {
+        let own = values
+            .iter()
+            .zip(torus.positions())
+            .filter(|(_, p)| (libm::hypot(p[0], p[1]) > 1.0) == outer);
+        let (sum, count) = own.fold((0.0, 0.0), |(s, n), (value, _)| (s + value, n + 1.0));
+        sum / count
+    })
+}
+
+/// A mean error of H, in words.
+fn signed_gap(gap: f64) -> String {
+    format!("{} {}", brief(gap.abs()), if gap < 0.0 { "too low" } else { "too high" })
+}
+
 /// Both estimates on a jittered torus, where the exact curvature is known.
 fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let surface = TestSurface::Torus;
@@ -391,14 +408,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
             let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
             let error = 100.0
                 * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
-            let halves = [true, false].map(|outer| {
-                let own = gaps
-                    .iter()
-                    .zip(mesh.positions())
-                    .filter(|(_, p)| (libm::hypot(p[0], p[1]) > 1.0) == outer);
-                let (sum, count) = own.fold((0.0, 0.0), |(s, n), (gap, _)| (s + gap, n + 1.0));
-                sum / count
-            });
+            let halves = around_the_hole(&mesh, &gaps);
             let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
             let panel = Panel::still(title, &mesh)
                 .with_field("mean curvature", "1/mesh units", true, &mean.signed)
@@ -408,15 +418,12 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
         };
     let (uniform, first, theirs, [outer, inner]) = panel("uniform", SCALED)?;
     let (cotangent, second, ours, _) = panel("cotangent", MIXED)?;
-    let by = |gap: f64| {
-        format!("{} {}", brief(gap.abs()), if gap < 0.0 { "too low" } else { "too high" })
-    };
     let picture = gallery::errors(
         "torus",
         &format!(
             "Uniform weights are wrong on the whole torus, on average {} outside and {} around the hole; cotangents are off in spots only. In the root mean square that is {} % of H against {} %. The error of H on a jittered torus; grey is zero.",
-            by(outer),
-            by(inner),
+            signed_gap(outer),
+            signed_gap(inner),
             brief(first),
             brief(second)
         ),

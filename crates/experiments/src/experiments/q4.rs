@@ -95,80 +95,87 @@ impl Experiment for Reconstruction {
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
-        let errors = tables.get("reconstruction")?;
-        let (mut falling, mut mismatch, mut steps) = (true, 0.0_f64, vec![]);
-        let names = errors.labels("mesh")?;
-        for name in &names {
-            let rows = errors.only(&[("mesh", name.as_str().into())])?;
-            let measured = rows.column("measured RMS")?;
-            falling &= measured.windows(2).all(|w| w[1] < w[0]);
-            for (a, b) in measured.iter().zip(rows.column("predicted RMS")?) {
-                mismatch = mismatch.max((a - b).abs());
-            }
-            steps.push(100.0 * (1.0 - measured[1] / measured[0]));
+        Ok(vec![reconstruction(tables)?, eigenvalue_orders(tables)?])
+    }
+}
+
+/// Claim 4a.
+fn reconstruction(tables: Tables<'_>) -> Result<Judgement> {
+    let errors = tables.get("reconstruction")?;
+    let (mut falling, mut mismatch, mut steps) = (true, 0.0_f64, vec![]);
+    let names = errors.labels("mesh")?;
+    for name in &names {
+        let rows = errors.only(&[("mesh", name.as_str().into())])?;
+        let measured = rows.column("measured RMS")?;
+        falling &= measured.windows(2).all(|w| w[1] < w[0]);
+        for (a, b) in measured.iter().zip(rows.column("predicted RMS")?) {
+            mismatch = mismatch.max((a - b).abs());
         }
-        let all = errors.only(&[("mesh", names[0].as_str().into())])?;
-        let ks = all.column("k")?;
-        let last = all.column("measured RMS")?.last().copied().unwrap_or(f64::NAN);
-        let complete = all.column("share of modes")?.last().is_some_and(|s| *s == 1.0);
-        let verdict = match (falling, complete) {
-            (true, true) if last < ROUNDING => Verdict::Confirmed,
-            (true, false) => Verdict::Confirmed,
-            _ => Verdict::Refuted,
-        };
-        let reason = format!(
-            "{}, and Parseval's identity predicts it to {}. From {} to {} modes the error of the {} falls by {:.0} %; {}.",
-            if falling { FALLS } else { RISES },
-            if mismatch < ROUNDING {
-                "rounding".to_string()
-            } else {
-                format!("{} of the diagonal", brief(mismatch))
-            },
+        steps.push(100.0 * (1.0 - measured[1] / measured[0]));
+    }
+    let all = errors.only(&[("mesh", names[0].as_str().into())])?;
+    let ks = all.column("k")?;
+    let last = all.column("measured RMS")?.last().copied().unwrap_or(f64::NAN);
+    let complete = all.column("share of modes")?.last().is_some_and(|s| *s == 1.0);
+    let verdict = match (falling, complete) {
+        (true, true) if last < ROUNDING => Verdict::Confirmed,
+        (true, false) => Verdict::Confirmed,
+        _ => Verdict::Refuted,
+    };
+    let reason = format!(
+        "{}, and Parseval's identity predicts it to {}. From {} to {} modes the error of the {} falls by {:.0} %; {}.",
+        if falling { FALLS } else { RISES },
+        if mismatch < ROUNDING {
+            "rounding".to_string()
+        } else {
+            format!("{} of the diagonal", brief(mismatch))
+        },
+        ks[0],
+        ks[1],
+        names[0],
+        steps[0],
+        what_is_left(ks[ks.len() - 1], complete, last),
+    );
+    Ok(Judgement::new("4a", "A larger k approaches the original", verdict, reason)
+        .finding(format!(
+            "It does; how much the first modes help depends on the shape: from {} to {} modes the error falls by {:.0} to {:.0} %.",
             ks[0],
             ks[1],
-            names[0],
-            steps[0],
-            what_is_left(ks[ks.len() - 1], complete, last),
-        );
-        let [[least, most], [low, high]] =
-            [orders(tables, Sampling::Regular)?, orders(tables, Sampling::Jittered)?];
-        let is_second = |least: f64, most: f64| least > 1.9 && most < 2.1;
-        let second = match (is_second(least, most), is_second(low, high)) {
-            (true, true) => Verdict::Confirmed,
-            (true, false) => Verdict::Qualified,
-            _ => Verdict::Refuted,
-        };
-        Ok(vec![
-            Judgement::new("4a", "A larger k approaches the original", verdict, reason)
-                .finding(format!(
-                    "It does; how much the first modes help depends on the shape: from {} to {} modes the error falls by {:.0} to {:.0} %.",
-                    ks[0],
-                    ks[1],
-                    steps.iter().copied().fold(f64::INFINITY, f64::min),
-                    steps.iter().copied().fold(0.0, f64::max),
-                ))
-                .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
-                .number(&format!("the error falls from {} to {} modes by", ks[0], ks[1]), steps[0], Unit::Percent)
-                .number("error with all modes", last, Unit::Diagonals),
-            Judgement::new(
-                "4b",
-                "The eigenvalues converge to those of the surface with second order",
-                second,
-                format!(
-                    "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with order {} on regular meshes and {} on meshes with jittered vertices.",
-                    between(least, most),
-                    between(low, high)
-                ),
-            )
-            .finding(format!("The observed order is {} on regular and {} on jittered meshes; at order 2 half the edge length leaves a quarter of the error.", between(least, most), between(low, high)))
-            .ours()
-            .shown(Shown::line("q4", "eigenvalues", "sphere"))
-            .number("least order", least, Unit::Order)
-            .number("greatest order", most, Unit::Order)
-            .number("least order, jittered", low, Unit::Order)
-            .number("greatest order, jittered", high, Unit::Order),
-        ])
-    }
+            steps.iter().copied().fold(f64::INFINITY, f64::min),
+            steps.iter().copied().fold(0.0, f64::max),
+        ))
+        .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
+        .number(&format!("the error falls from {} to {} modes by", ks[0], ks[1]), steps[0], Unit::Percent)
+        .number("error with all modes", last, Unit::Diagonals))
+}
+
+/// Claim 4b.
+fn eigenvalue_orders(tables: Tables<'_>) -> Result<Judgement> {
+    let [[least, most], [low, high]] =
+        [orders(tables, Sampling::Regular)?, orders(tables, Sampling::Jittered)?];
+    let is_second = |least: f64, most: f64| least > 1.9 && most < 2.1;
+    let second = match (is_second(least, most), is_second(low, high)) {
+        (true, true) => Verdict::Confirmed,
+        (true, false) => Verdict::Qualified,
+        _ => Verdict::Refuted,
+    };
+    Ok(Judgement::new(
+        "4b",
+        "The eigenvalues converge to those of the surface with second order",
+        second,
+        format!(
+            "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with order {} on regular meshes and {} on meshes with jittered vertices.",
+            between(least, most),
+            between(low, high)
+        ),
+    )
+    .finding(format!("The observed order is {} on regular and {} on jittered meshes; at order 2 half the edge length leaves a quarter of the error.", between(least, most), between(low, high)))
+    .ours()
+    .shown(Shown::line("q4", "eigenvalues", "sphere"))
+    .number("least order", least, Unit::Order)
+    .number("greatest order", most, Unit::Order)
+    .number("least order, jittered", low, Unit::Order)
+    .number("greatest order, jittered", high, Unit::Order))
 }
 
 /// The least and the greatest observed order of eigenvalues, on the sphere and on the torus.

@@ -146,14 +146,7 @@ impl Experiment for ExplicitFlow {
             )
             .finding(format!(
                 "{} With other noise and other faces it lies between {} and {}. λ = {STRONG} is stable; λ = {DIVERGENT} is unstable on {}.",
-                match is_best {
-                    true => format!("Of the four steps λ = {CLAIMED} is the best on both meshes, but there is no best λ as such."),
-                    false => format!(
-                        "There is no best λ: on the patch and the machine part it is {} and {}.",
-                        brief(swept.surface[0].lambda),
-                        brief(swept.surface[1].lambda)
-                    ),
-                },
+                no_best(is_best, &swept),
                 brief(lowest),
                 brief(highest),
                 if deforms { "every mesh" } else { "some meshes" }
@@ -168,6 +161,20 @@ impl Experiment for ExplicitFlow {
             .number("largest", highest, Unit::One)
             .number(&format!("F-score of the creases at λ = {STRONG}"), creases[1], Unit::One),
         ])
+    }
+}
+
+/// The best λ of both meshes, in words.
+fn no_best(is_claimed: bool, swept: &Favourites) -> String {
+    match is_claimed {
+        true => format!(
+            "Of the four steps λ = {CLAIMED} is the best on both meshes, but there is no best λ as such."
+        ),
+        false => format!(
+            "There is no best λ: on the patch and the machine part it is {} and {}.",
+            brief(swept.surface[0].lambda),
+            brief(swept.surface[1].lambda)
+        ),
     }
 }
 

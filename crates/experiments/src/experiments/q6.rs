@@ -129,6 +129,10 @@ impl Experiment for ImplicitFlow {
     }
 }
 
+/// Claim 6a in words.
+const STABLE_AND_BEST: &str =
+    "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
+
 /// Claim 6a.
 fn stability(tables: Tables<'_>) -> Result<Judgement> {
     let flows = tables.get("flows")?;
@@ -169,8 +173,6 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         brief(blind),
         brief(area),
     );
-    let claim =
-        "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
     let finding = format!(
         "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}, diffusion times {} and {}; the normals of the machine part at λ = {}.",
         if stable { "are stable at every λ" } else { "are not always stable" },
@@ -182,10 +184,9 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         brief(swept.normals[1].lambda),
     );
     let state = ViewState::at(&[4, 1]).field("displacement");
-    let moved = Shown::view("q6", "machine-part-view", &state);
-    Ok(Judgement::new("6a", claim, verdict, reason)
+    Ok(Judgement::new("6a", STABLE_AND_BEST, verdict, reason)
         .finding(finding)
-        .shown(moved)
+        .shown(Shown::view("q6", "machine-part-view", &state))
         .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
         .number("largest growth", growth, Unit::One)
         .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)

@@ -265,7 +265,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         resolved(&depends),
         counts.as_ref().map(|words| format!(" {words}.")).unwrap_or_default(),
     );
-    let mut judgement =
+    let judgement =
         Judgement::new("7a", "σ = 0.05 and 0.1 keep the shape, 0.5 destroys it", verdict, reason)
             .finding(match &counts {
                 Some(words) => format!(
@@ -278,6 +278,11 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
             .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 3]).field("normal error")))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
+    with_errors(judgement, &levels)
+}
+
+/// Adds the least and the largest normal error of the report's flows at each level.
+fn with_errors(mut judgement: Judgement, levels: &[Level]) -> Result<Judgement> {
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
         let least = level.flows.iter().copied().reduce(f64::min).context("no flows")?;
         let most = level.flows.iter().copied().reduce(f64::max).context("no flows")?;
