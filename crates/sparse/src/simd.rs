@@ -12,6 +12,7 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 
 /// `a b + c`, rounded once; in WebAssembly, which has no instruction for it, rounded twice, a
 /// hundred times as fast as an emulation.
+#[cfg(feature = "solvers")]
 #[inline(always)]
 pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_arch = "wasm32") { a * b + c } else { a.mul_add(b, c) }
