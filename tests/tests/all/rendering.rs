@@ -205,6 +205,7 @@ fn written(tex: &str) -> String {
             "in" => "∈",
             "sim" => "∼",
             "ge" => "≥",
+            "le" => "≤",
             "top" => "⊤",
             "arccos" | "cos" | "cot" | "log" | "sin" => name,
             "frac" | "tfrac" | "sqrt" | "hat" | "text" | "cdot" => "",
@@ -225,7 +226,7 @@ fn shown(mathml: &str) -> String {
 /// Letters, digits, and the signs that are written as themselves in every formula, sorted. Minus
 /// and spaces have several forms.
 fn symbols(text: &str) -> Vec<char> {
-    let kept = |c: &char| c.is_alphanumeric() || "∑∈≥∂<=+(),".contains(*c);
+    let kept = |c: &char| c.is_alphanumeric() || "∑∈≤≥∂<=+(),".contains(*c);
     let mut symbols: Vec<char> = text.chars().filter(kept).collect();
     symbols.sort_unstable();
     symbols
