@@ -22,7 +22,7 @@ pub struct ScoreOptions {
     /// the reference's bounding-box diagonal; at least the rounding of the
     /// coordinates, as in [`hausdorff`](crate::hausdorff()).
     pub hausdorff_tolerance: f64,
-    /// The dihedral angle from which on an edge is a feature, in degrees.
+    /// The smallest dihedral angle of a feature edge, in degrees.
     pub feature_angle: f64,
 }
 

@@ -11,8 +11,7 @@ use crate::error::FigureError;
 
 /// The direction from which a mesh is seen.
 ///
-/// Written as its name or as its angles (`Display`), `front` or `30,20`, and
-/// read from that (`FromStr`).
+/// `Display` and `FromStr` use the name or the angles: `front`, `30,20`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Viewpoint {

@@ -45,9 +45,8 @@ impl ColoringOptions {
     /// The scale of a field on the vertices of `mesh`, and the colour of each vertex.
     ///
     /// Boundary vertices do not count for the range, unless there are no others: one-sided
-    /// estimates there are often far from those inside. Vertices where `undefined` is true, and
-    /// isolated ones, which no picture shows, count for nothing and are
-    /// [`UNDEFINED`](crate::UNDEFINED).
+    /// estimates there are often far from those inside. Undefined vertices, and isolated ones,
+    /// which are never drawn, are ignored and get the colour [`UNDEFINED`](crate::UNDEFINED).
     ///
     /// With `None` every value counts. An undefined curvature is stored as zero, the value of a
     /// plane, so pass the flags of a curvature: `Some(&curvature.undefined())`.

@@ -10,7 +10,7 @@ pub enum FigureError {
         /// The number of vertices of the meshes given.
         vertices: usize,
     },
-    /// All vertices of the faces coincide, so that no distance shows them.
+    /// All corners coincide, so no camera can frame the mesh.
     #[error("all faces lie in one point, ({}, {}, {})", point[0], point[1], point[2])]
     NoExtent {
         /// The point.

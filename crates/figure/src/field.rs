@@ -36,8 +36,7 @@ impl<'a> Field<'a> {
         self.mark(undefined, Mark::Undefined)
     }
 
-    /// Values where `excluded` holds, such as those at the boundary, are
-    /// coloured, but do not rule the range.
+    /// Excludes values, such as those at the boundary, from the range; they are still coloured.
     ///
     /// # Errors
     ///

@@ -34,7 +34,7 @@ pub enum OperatorError {
         faces: usize,
     },
     /// No edge has a positive length.
-    #[error("no edge is longer than zero")]
+    #[error("every edge has zero length")]
     NoLength,
     /// The Laplacian does not have this mass.
     #[error("the {laplacian} Laplacian has no {mass} mass, {}", masses_of(*laplacian))]

@@ -9,12 +9,10 @@ use fairing_parameters::{Choice, Field, Kind, Parameter, ParameterError, Value, 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LaplacianKind {
-    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where a face
-    /// is too thin for its cotangents
-    /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)). The default of spectra,
-    /// flows, heat, Poisson problems and curvature. With another mass than the
-    /// barycentric one, which is the only one that the robust kind has, always
-    /// the cotangent one.
+    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where a face is too thin for its
+    /// cotangents ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)). The default of spectra, flows,
+    /// heat, Poisson problems and curvature. With any mass other than barycentric always cotangent,
+    /// because the robust kind supports no other mass.
     Auto,
     /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where a face
     /// is too thin for its cotangents or an edge that is not Delaunay has a

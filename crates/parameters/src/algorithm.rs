@@ -38,7 +38,7 @@ pub struct Parameter {
     pub kind: Kind,
     /// The accepted numbers of [`Kind::Number`] and [`Kind::Count`].
     pub range: Range,
-    /// The value unless it is set; `None` if it follows from other parameters, or is nothing.
+    /// The default; `None` if it depends on other parameters or there is none.
     pub default: Option<Value>,
     /// Parameters that cannot be given together with this one.
     pub excludes: &'static [&'static str],

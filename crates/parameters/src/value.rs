@@ -9,7 +9,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Value {
-    /// A name, or a value of another kind that is still to be read.
+    /// A name, or text still to be parsed as another kind.
     Text(String),
     /// A number.
     Number(f64),

@@ -33,12 +33,11 @@ const LIMBS: [Limb; 12] = [
     limb([[0.0, 0.22, -0.30], [0.0, 0.62, -0.62]], [0.14, 0.05]),     // tail
 ];
 
-/// An upright animal about 1.8 high with head, ears, limbs, fingers, a tail,
-/// a grooved back and wrinkled skin: smooth, closed, genus 0, in nearly equal
-/// triangles of about `2 / resolution`, vertices on the analytic surface. It
-/// stands along y and looks along +z, as scanned figures do. Below a
-/// resolution of 48, limbs are as thick as the triangles ask for: the animal
-/// has paws instead of fingers.
+/// An upright animal about 1.8 high with head, ears, limbs, fingers, a tail, a grooved back and
+/// wrinkled skin: smooth, closed, genus 0, in nearly equal triangles of about `2 / resolution`,
+/// vertices on the analytic surface. It stands along y and looks along +z, as scanned figures do.
+/// Below a resolution of 48 the limbs are thickened to the triangle size, and the animal has paws
+/// instead of fingers.
 ///
 /// The field is a smooth union of tapered limbs with waves of small amplitude
 /// added; the surface is its zero set. Numbering follows the grid that found

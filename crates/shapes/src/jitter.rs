@@ -68,10 +68,10 @@ pub fn onto_sphere(p: [f64; 3]) -> [f64; 3] {
     DVec3::from(p).normalize_or(DVec3::Z).to_array()
 }
 
-/// A point of the ellipsoid with these half-axes near `p`, for `p` near the
-/// surface: three Newton steps along the gradient of x²/a² + y²/b² + z²/c²
-/// end closer to the closest point than the jitter is long, and a central
-/// projection puts the rest right. The centre goes to (0, 0, c).
+/// A point of the ellipsoid with these half-axes near `p`, for `p` near the surface: three Newton
+/// steps along the gradient of x²/a² + y²/b² + z²/c² come closer to the closest point than the
+/// length of the jitter; a final central projection puts the point on the surface. The centre goes
+/// to (0, 0, c).
 pub fn onto_ellipsoid(axes: [f64; 3]) -> impl Fn([f64; 3]) -> [f64; 3] {
     let axes = DVec3::from(axes);
     move |p| {

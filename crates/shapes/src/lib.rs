@@ -6,8 +6,7 @@
 //! from outside (the open ones seen from the side that their documentation names). Vertices come in
 //! a documented order. What is random takes a seed.
 //!
-//! Parameters that make no such mesh are a mistake in the program that passes them, and panic as
-//! documented.
+//! Invalid parameters are programming errors and panic, as documented for each function.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

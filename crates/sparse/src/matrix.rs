@@ -1,4 +1,4 @@
-//! The sparse matrix of the workspace, ways to make one, and a borrowed look at its rows.
+//! The sparse matrix type, its constructors, and a borrowed view of its rows.
 
 use crate::error::SparseError;
 

@@ -40,9 +40,9 @@ enum Place {
 /// the gradient of the distance, which is constant on each face, and along an edge where both
 /// faces lead to it.
 ///
-/// The distance falls at every step, so the path ends: at a source, or at another local minimum,
-/// which errors of the distance can make; `end` tells. Its length exceeds the distance by the
-/// error of that, of first order in the edge length.
+/// The distance decreases at every step, so the path ends at a source, or at a spurious local
+/// minimum caused by errors of the distance; `end` tells which. The path is longer than the
+/// distance by the error of the distance, which is of first order in the edge length.
 ///
 /// # Errors
 ///

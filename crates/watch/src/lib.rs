@@ -80,7 +80,7 @@ impl Drop for Restore {
 }
 
 impl Watch {
-    /// A watch over nothing yet.
+    /// Creates a watch; no work runs under it yet.
     pub fn new() -> Self {
         Self::default()
     }
@@ -157,7 +157,7 @@ impl Handle {
         self.check();
     }
 
-    /// Raises the parts done to `done` if fewer were; then as [`check`](Self::check).
+    /// Sets the number of parts done to at least `done`, and [checks](Self::check).
     pub fn reach(&self, done: u64) {
         if let Some(watch) = &self.0 {
             watch.0.done.fetch_max(done, Ordering::Relaxed);

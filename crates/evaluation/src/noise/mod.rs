@@ -20,10 +20,10 @@ pub(crate) use rays::camera_and_centre;
 
 /// Adds noise to the vertices; faces and topology are shared with the input.
 ///
-/// Random numbers are drawn from ChaCha8 in an order that the level has no part in, so that the
-/// noise of a seed does not depend on the level, and grows with it in proportion; only disparities
-/// of [`NoiseKind::DepthCamera`] are rounded to other steps at another level. Vertices without a
-/// normal (isolated ones) stay where noise follows the normals.
+/// The sequence of random numbers (ChaCha8) does not depend on the level, so for a given seed the
+/// displacements are proportional to it, except that [`NoiseKind::DepthCamera`] rounds disparities
+/// in steps that depend on the level. Where noise follows the normals, vertices without a normal
+/// (isolated ones) stay.
 ///
 /// # Errors
 ///

@@ -51,8 +51,9 @@ pub(crate) struct Compare {
     jobs: Jobs,
     /// Largest gap between the two bounds of the Hausdorff distance, in diagonals
     ///
-    /// Values below the rounding of the coordinates are raised to it. Between surfaces at a
-    /// constant distance, very small gaps are not reached; the printed bounds show it.
+    /// Values smaller than the rounding error of the coordinates are raised to that error. For
+    /// surfaces a constant distance apart a very small gap may not be reached; the printed bounds
+    /// show the gap achieved.
     #[arg(long, value_name = "SHARE", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
     hausdorff_tolerance: f64,
     /// Smallest dihedral angle of a sharp edge, in degrees

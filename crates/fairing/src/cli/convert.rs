@@ -21,7 +21,7 @@ use super::inputs::{self, Jobs, Summary, check_distinct, output_for};
 /// them. Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
-    /// The mesh to read and the file to write; with --output, all are read
+    /// Input and output file; with --output, all files are inputs
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// The file to write; of several inputs, {stem} in it is the name of each without folder and

@@ -18,8 +18,8 @@ use super::memory;
 /// The output of a verb.
 #[derive(Args)]
 pub(crate) struct Output {
-    /// The file to write; of several inputs, {stem} in it is the name of each without folder and
-    /// extension; - is the standard output
+    /// Output file; {stem} in it is replaced by the input's name without folder and extension; - is
+    /// standard output
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
     path: Option<PathBuf>,
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub(crate) struct OptionalOutput {
 /// Permission to replace an existing file.
 #[derive(Args)]
 pub(crate) struct Overwrite {
-    /// Replace the output if it exists; a symbolic link stays and its target is replaced
+    /// Overwrite an existing output; for a symbolic link, overwrite its target
     #[arg(long)]
     pub(crate) force: bool,
 }

@@ -28,10 +28,10 @@ const MAX_ISOLINES: f64 = 10_000.0;
 
 /// Measure distances along the surface, trace shortest paths and draw isolines
 ///
-/// The distance to the nearest source by the heat method, whose error falls with the edge length.
-/// With --output, writes the vertex property distance, in units of the file; the property defined
-/// is 0 at vertices that no source can reach (the distance there is 0 and meaningless). A path
-/// follows the steepest descent of the distance.
+/// Computes the distance to the nearest source by the heat method; the error is proportional to the
+/// edge length. With --output, writes the vertex property distance, in units of the file; the
+/// property defined is 0 at vertices that no source can reach (the distance there is 0 and
+/// meaningless). A path follows the steepest descent of the distance.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Geodesic {
@@ -41,7 +41,7 @@ pub(crate) struct Geodesic {
     reading: Reading,
     #[command(flatten)]
     output: OptionalOutput,
-    /// The sources: vertices, from 0, or points X:Y:Z, which stand for the nearest points of the
+    /// Sources: vertex indices from 0, or points X:Y:Z, each projected to the nearest point of the
     /// surface
     #[arg(
         long,
@@ -58,8 +58,8 @@ pub(crate) struct Geodesic {
     /// Draw the lines of equal distance at the multiples of D, in units of the file
     #[arg(long, value_name = "D", requires = "lines", allow_negative_numbers = true)]
     isolines: Option<f64>,
-    /// The file for paths and isolines, as the polylines of an .obj file; of several inputs,
-    /// {stem} in it is the name of each
+    /// Write paths and isolines to this .obj file as polylines; with several inputs, {stem} stands
+    /// for the name of each
     #[arg(long, value_name = "FILE")]
     lines: Option<PathBuf>,
     #[command(flatten)]

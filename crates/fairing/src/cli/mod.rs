@@ -77,11 +77,11 @@ struct Cli {
     /// Print only results and errors; show no progress
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Leave out faces with a vertex that is missing or not finite, and report their number; such
-    /// vertices keep their indices and move to the first valid position
+    /// Drop faces that use a missing or non-finite vertex, and report how many; such vertices keep
+    /// their indices and take the position of the first valid vertex
     #[arg(long, global = true)]
     drop_broken: bool,
-    /// Format of the standard input and output, which - stands for
+    /// Format of standard input and output (file name -)
     #[arg(long, global = true, value_name = "NAME", value_parser = formats())]
     format: Option<Format>,
     #[command(subcommand)]

@@ -19,12 +19,12 @@ Examples:
   fairing scan fandisk.off -o seen.ply --camera 3,1,6
   fairing scan fandisk.off -o noisy.ply --truth truth.ply --camera 3,1,6 --size 160x120 --sigma 0.67";
 
-/// See a mesh as a depth camera does
+/// Simulate a depth camera's view of a mesh
 ///
-/// Casts a ray through each pixel, and joins the points where they meet the mesh to triangles;
-/// triangles across steps of depth are left out. With --sigma the noise of the sensor is added:
-/// the noisy mesh and its truth have the same faces, for the training and comparison of denoisers.
-/// +y is up, or +z for a camera that looks along y.
+/// Casts a ray through each pixel and connects the hits into triangles, except across depth
+/// discontinuities. With --sigma, adds sensor noise; the noisy mesh and its ground truth have the
+/// same faces, so the pair can train or score denoisers. +y is up, or +z for a camera that looks
+/// along y.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Scan {
@@ -32,7 +32,7 @@ pub(crate) struct Scan {
     inputs: Inputs,
     #[command(flatten)]
     output: Output,
-    /// Write the mesh without noise, too; {stem} as in --output
+    /// Also write the mesh without noise; {stem} as in --output
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     /// Position of the camera [default: three diagonals of the bounding box from its centre along

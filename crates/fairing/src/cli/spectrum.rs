@@ -101,11 +101,12 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
             format!("all are within {fraction:e} of the largest eigenvalue, {}", number(largest))
         }
         false => {
-            "they are what rounding leaves with masses and weights as different as these".to_owned()
+            "smaller ones are out of reach: masses or weights differ so widely that rounding dominates"
+                .to_owned()
         }
     };
     context.note(format_args!(
-        "warning: {count} of {} residuals are above {fraction:e} of their eigenvalue, that of mode {mode} is {} of {}; \
+        "warning: {count} of {} residuals exceed {fraction:e} of their eigenvalue (mode {mode}: {} of {}); \
          {bound}",
         modes.len(),
         number(*residual),

@@ -14,8 +14,8 @@ use super::files;
 /// Options for reading a mesh.
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Join vertices at exactly equal positions during the computation, for files with seams or
-    /// whose faces do not share corners; the output has the vertices of the file
+    /// Treat vertices at exactly the same position as one, for files with seams or unshared
+    /// corners; the output keeps the file's vertices
     #[arg(long)]
     weld: bool,
 }

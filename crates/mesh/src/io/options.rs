@@ -11,11 +11,10 @@ pub enum Strictness {
     /// Refuse the file, for example for faces that repeat a corner, vertex weights
     /// other than 1, or fields with values that are not finite.
     Strict,
-    /// As [`Lenient`](Self::Lenient), and also leave out broken faces, which the
-    /// others refuse: faces with an index without a vertex, or with a vertex whose
-    /// position is not finite. Such a vertex keeps its number, so that the numbers
-    /// of all other vertices and the rows of fields stay those of the file; it
-    /// moves to the position of the first sound vertex and belongs to no face.
+    /// Like [`Lenient`](Self::Lenient), and also drops faces that the other modes refuse: those
+    /// with an index out of range or a non-finite vertex. Such a vertex keeps its number, so that
+    /// the numbers of all other vertices and the rows of fields stay those of the file; it takes
+    /// the position of the first valid vertex and belongs to no face.
     DropBroken,
 }
 

@@ -80,8 +80,8 @@ impl Field for Length {
     }
 }
 
-/// The vertices around a vertex that enter a fit. Vertices with more than 256 neighbours enter, but
-/// nothing beyond them.
+/// The vertices used in a fit. The search does not continue past vertices with more than 256
+/// neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

@@ -14,7 +14,7 @@ pub enum Undefined {
     NoArea,
     /// Fewer neighbours than the method needs.
     TooFewNeighbors,
-    /// The neighbours lie so that the method's equations are not determined.
+    /// The neighbours do not determine the method's equations, as if all lie on a line.
     IllConditioned,
 }
 

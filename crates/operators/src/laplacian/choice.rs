@@ -1,4 +1,4 @@
-//! The one place that says which Laplacian a mesh gets.
+//! Choice between the cotangent and the robust Laplacian.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use crate::stiffness::cotan_stiffness;
 /// less is rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// Why a [`Laplacian`](super::Laplacian) is of its kind.
+/// Reason for the kind of a [`Laplacian`](super::Laplacian).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

@@ -47,7 +47,7 @@ pub(crate) fn chosen(
 ) -> Result<(LaplacianKind, Option<u32>), FlowFailure> {
     match choose(mesh, kind, area.into())? {
         (LaplacianKind::Uniform, _) => Err(FlowFailure::Unsupported {
-            reason: "a diffusion by cotangents has no uniform weights: take those of the graph",
+            reason: "cotangent diffusion cannot use the uniform Laplacian: use Diffusion::Uniform",
         }),
         (kind, Reason::ThinFace { face, .. }) => Ok((kind, Some(face))),
         (kind, _) => Ok((kind, None)),

@@ -28,7 +28,7 @@ fairing_parameters::options! {
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-10, in Range::above(0.0).below(1.0);
-        /// Ends the flow when no vertex moves by more than this; 0 never does.
+        /// The flow stops when no vertex moves farther than this in a step; 0 disables the test.
         pub settled: f64 = 1e-6, in Range::NOT_NEGATIVE, unit "roots of the area";
     }
     "conformal": "mean curvature flow that preserves angles; genus 0 flows to a sphere", ["kazhdan2012"];

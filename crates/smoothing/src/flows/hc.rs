@@ -32,9 +32,9 @@ fairing_parameters::options! {
     "hc": "uniform steps, each followed by a correction; roughly preserves size", ["vollmer1999"];
 }
 
-const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta of at least 0.5 is: \
-    at least 1 − (2 − alpha) / (K (K − alpha)) with K = 1.5 on closed meshes, 1.75 on open ones, \
-    2 where an edge has three faces; or unstable steps must be allowed";
+const LARGE_ENOUGH: &str = "at least 1 − (2 − alpha) / (K (K − alpha)), so that no mode grows, \
+    with K = 1.5 on closed meshes, 1.75 on open ones and 2 where an edge has three faces \
+    (0.5 is always enough); or unstable steps must be allowed";
 
 /// Smooths by Humphrey's Classes (HC) steps with uniform weights: a full Laplacian step, followed
 /// by a correction with the smoothed differences.
