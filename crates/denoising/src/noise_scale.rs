@@ -14,14 +14,14 @@ use super::faces::Marks;
 pub(crate) const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The vertices of a stencil: more are beyond a hub, and the stencil is left out.
-const MOST: usize = 4096;
+const MAX_STENCIL: usize = 4096;
 
 /// The least number of stencils for a level.
-const LEAST: usize = 32;
+const MIN_STENCILS: usize = 32;
 
 /// The least growth of the level of correlated noise, from neighbours to stencils of one edge and
 /// of two. Independent noise stays below both.
-const LEAST_GROWTH: [f64; 2] = [1.25, 1.5];
+const MIN_GROWTH: [f64; 2] = [1.25, 1.5];
 
 /// The largest growth of the level of correlated noise, from neighbours to stencils of one edge,
 /// from those to stencils of two, and from those to stencils of four. A surface without noise
@@ -49,11 +49,11 @@ pub(crate) fn correlated_over(
     }
     let level = |scale| level_at(mesh, scale, &inside);
     let one = level(1)?;
-    if !(LEAST_GROWTH[0]..=LARGEST_GROWTH[0]).contains(&(one / near)) {
+    if !(MIN_GROWTH[0]..=LARGEST_GROWTH[0]).contains(&(one / near)) {
         return None;
     }
     let two = level(2)?;
-    if two < LEAST_GROWTH[1] * near || two > LARGEST_GROWTH[1] * one {
+    if two < MIN_GROWTH[1] * near || two > LARGEST_GROWTH[1] * one {
         return None;
     }
     let four = level(4).filter(|&four| four <= LARGEST_GROWTH[2] * two)?;
@@ -111,7 +111,7 @@ fn level_at(mesh: &TriMesh, scale: u32, inside: impl Fn(u32) -> bool + Sync) -> 
                         }
                     }
                 }
-                if queue.len() > MOST {
+                if queue.len() > MAX_STENCIL {
                     return None;
                 }
             }
@@ -141,7 +141,11 @@ fn level_at(mesh: &TriMesh, scale: u32, inside: impl Fn(u32) -> bool + Sync) -> 
         .flatten()
         .collect();
     residuals.sort_unstable_by(f64::total_cmp);
-    if residuals.len() < LEAST { None } else { median(&residuals).map(|m| m / GAUSSIAN_MEDIAN) }
+    if residuals.len() < MIN_STENCILS {
+        None
+    } else {
+        median(&residuals).map(|m| m / GAUSSIAN_MEDIAN)
+    }
 }
 
 /// The vertices around one, in order of distance, and their offsets; reused for the next.

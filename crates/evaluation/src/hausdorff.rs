@@ -15,11 +15,11 @@ const FINEST: f64 = 8.0 * f64::EPSILON;
 
 /// The number of parts of all faces beyond which the tolerance grows: seconds of
 /// work.
-const MOST_PARTS: usize = 1 << 20;
+const MAX_PARTS: usize = 1 << 20;
 
 /// The number of parts allowed for every face: with a million faces, a side is a
 /// few tolerances of 1e-4 diagonals.
-const LEAST_PARTS: usize = 256;
+const MIN_PARTS: usize = 256;
 
 /// An interval that holds a Hausdorff distance, in mesh units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +98,7 @@ fn one_sided(
     let closest = surface.closest_to_all(mesh.positions());
     let reached =
         mesh.faces().iter().flatten().map(|&v| closest[v as usize].distance).fold(floor, f64::max);
-    let parts = MOST_PARTS / mesh.face_count() + LEAST_PARTS;
+    let parts = MAX_PARTS / mesh.face_count() + MIN_PARTS;
     let watch = fairing_watch::current();
     watch.stage("Hausdorff distance", mesh.face_count() as u64);
     let bounds: Vec<[f64; 2]> = (0..mesh.face_count())

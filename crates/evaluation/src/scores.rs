@@ -18,7 +18,7 @@ use crate::{
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ScoreOptions {
-    /// The width of the interval around the Hausdorff distance, as a share of
+    /// The width of the interval around the Hausdorff distance, as a fraction of
     /// the reference's bounding-box diagonal; at least the rounding of the
     /// coordinates, as in [`hausdorff`](crate::hausdorff()).
     pub hausdorff_tolerance: f64,
@@ -69,7 +69,7 @@ pub enum ScoreUnit {
     Degrees,
     /// Shares of the reference's bounding-box diagonal.
     Diagonals,
-    /// Relative to the reference, or a share from 0 to 1.
+    /// Relative to the reference, or a fraction from 0 to 1.
     Relative,
     /// A number of elements.
     Count,
@@ -120,7 +120,7 @@ impl Scores {
         OptionError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
         let diagonal = reference.diagonal();
-        // A reference of one point has no diagonal to take a share of.
+        // A reference of one point has no diagonal to take a fraction of.
         let unit = if diagonal > 0.0 { diagonal } else { 1.0 };
         let features = feature_edges(mesh, reference, options.feature_angle);
         if let Err(error @ EvaluationError::Option(_)) = features {
@@ -179,7 +179,7 @@ impl Scores {
             name,
             label,
             unit: ScoreUnit::Diagonals,
-            value: self.share(length),
+            value: self.in_diagonals(length),
         };
         let (d, b) = (&self.distance.forward, &self.distance.backward);
         vec![
@@ -198,8 +198,9 @@ impl Scores {
     fn displacement_entries(&self) -> Vec<Score> {
         let moved = &self.displacement;
         let entry = |name, label, unit, value| Score { name, label, unit, value };
-        let length =
-            |f: fn(&VertexDisplacement) -> f64| measured(moved, f).and_then(|x| self.share(x));
+        let length = |f: fn(&VertexDisplacement) -> f64| {
+            measured(moved, f).and_then(|x| self.in_diagonals(x))
+        };
         let psnr = match moved {
             Ok(_) => some(self.psnr(), "no vertex moved"),
             Err(error) => Err(error.to_string()),
@@ -256,10 +257,10 @@ impl Scores {
         ]
     }
 
-    /// A length as a share of the diagonal.
-    fn share(&self, length: f64) -> Result<f64, String> {
+    /// A length in diagonals of the reference.
+    fn in_diagonals(&self, length: f64) -> Result<f64, String> {
         match length / self.diagonal {
-            share if share.is_finite() => Ok(share),
+            x if x.is_finite() => Ok(x),
             _ => Err("the reference has no extent".to_owned()),
         }
     }

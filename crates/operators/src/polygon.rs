@@ -132,8 +132,8 @@ impl Local {
                 s[p * m + p] += half;
                 s[q * m + q] += half;
                 for d in 0..3 {
-                    let share = if c == d { 12.0 } else { 24.0 };
-                    a[triangle[c] * m + triangle[d]] += face.twice_area / share;
+                    let divisor = if c == d { 12.0 } else { 24.0 };
+                    a[triangle[c] * m + triangle[d]] += face.twice_area / divisor;
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::spectrum::Spectrum;
 
 /// Residuals count as at least this fraction of λ, the usual tolerance: smaller ones are rounding,
 /// on which clusters must not depend.
-const LEAST_RESIDUAL: f64 = 1e-9;
+const MIN_RESIDUAL: f64 = 1e-9;
 
 /// A cut through a cluster: the modes kept depend on the basis of an eigenspace, which is
 /// arbitrary.
@@ -95,7 +95,7 @@ impl Spectrum {
 
     /// Eigenvalue k and the bound of its error.
     fn known(&self, k: usize) -> (f64, f64) {
-        let least = |value: f64| LEAST_RESIDUAL * value.abs();
+        let least = |value: f64| MIN_RESIDUAL * value.abs();
         match self.values.get(k) {
             Some(&value) => (value, self.residuals[k].max(least(value))),
             None => {

@@ -95,7 +95,7 @@ impl HeatGeodesics {
         let (corners, flat) = match (laplacian.kind(), laplacian.intrinsic()) {
             (_, Some(Intrinsic { faces, .. })) => {
                 let sides = faces.lengths.as_chunks::<3>().0.iter();
-                let flat = sides.map(|&sides| FlatFace::new(sides, faces.share)).collect();
+                let flat = sides.map(|&sides| FlatFace::new(sides, faces.fraction)).collect();
                 (faces.corners.clone(), flat)
             }
             (LaplacianKind::Cotangent, None) => {

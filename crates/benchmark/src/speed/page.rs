@@ -28,28 +28,28 @@ struct Scaled {
 const LEVELS: std::ops::RangeInclusive<u32> = 6..=10;
 
 /// The finest sphere for tasks that are not linear in time or memory, with 2.6 million vertices.
-const MOST: u32 = 9;
+const FINEST: u32 = 9;
 
 const SCALED: [Scaled; 15] = [
     Scaled { words: "read PLY", task: "load_ply", arguments: &[], last: 10 },
-    Scaled { words: "S and M", task: "laplacian", arguments: &[], last: MOST },
+    Scaled { words: "S and M", task: "laplacian", arguments: &[], last: FINEST },
     Scaled { words: "H and K", task: "curvature", arguments: &[], last: 10 },
-    Scaled { words: "principal curvatures", task: "principal", arguments: &[], last: MOST },
+    Scaled { words: "principal curvatures", task: "principal", arguments: &[], last: FINEST },
     Scaled { words: "explicit, 50 steps", task: "explicit_uniform", arguments: FIFTY, last: 10 },
-    Scaled { words: "Taubin, 50 pairs", task: "taubin", arguments: FIFTY, last: MOST },
+    Scaled { words: "Taubin, 50 pairs", task: "taubin", arguments: FIFTY, last: FINEST },
     Scaled { words: "implicit, uniform", task: "implicit_uniform", arguments: FIVE, last: 10 },
     Scaled { words: "implicit, cotangents", task: "implicit_cotan", arguments: FIVE, last: 10 },
     Scaled {
         words: "implicit, 100 h²",
         task: "implicit_cotan_stiff",
         arguments: STIFF,
-        last: MOST,
+        last: FINEST,
     },
-    Scaled { words: "mean curvature flow", task: "implicit_mcf", arguments: FIVE, last: MOST },
+    Scaled { words: "mean curvature flow", task: "implicit_mcf", arguments: FIVE, last: FINEST },
     Scaled { words: "harmonic system", task: "harmonic", arguments: &["--k=1"], last: 8 },
     Scaled { words: "biharmonic system", task: "harmonic", arguments: &["--k=2"], last: 8 },
     Scaled { words: "triharmonic system", task: "harmonic", arguments: &["--k=3"], last: 8 },
-    Scaled { words: "15 eigenpairs", task: "eigs", arguments: &["--k=15"], last: MOST },
+    Scaled { words: "15 eigenpairs", task: "eigs", arguments: &["--k=15"], last: FINEST },
     Scaled { words: "denoising", task: "denoise", arguments: &[], last: 8 },
 ];
 
@@ -138,7 +138,7 @@ fn measured(folder: &Path, finest: u32) -> Result<(Vec<Row>, Vec<Rate>)> {
             eprintln!("{vertices:>9} vertices, {}: {:.3} s", scaled.words, times.first);
             row.times.push((vertices, times));
         }
-        if level <= MOST {
+        if level <= FINEST {
             let result = Fresh::new("bandwidth", &path, &[]).result()?;
             let [triad, product] =
                 ["triad", "product"].map(|key| result["fingerprint"][key].as_f64());

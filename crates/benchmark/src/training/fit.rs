@@ -11,7 +11,7 @@ const BATCH: usize = 256;
 const CHUNK: usize = 64;
 const RATE: f32 = 2e-3;
 /// Added to the mean chord of a pair: 0.1°.
-const LEAST_MEAN: f64 = 2e-3;
+const MIN_MEAN: f64 = 2e-3;
 
 /// Adam over shuffled batches, with a rate that falls to zero.
 pub(super) fn fit(
@@ -51,7 +51,7 @@ pub(super) fn fit(
             adam(&mut network, &mut moments, &gradient, rate, step, 1.0 / batch.len() as f32);
         }
         let means: Vec<f64> =
-            chords.iter().map(|c| c.0 / f64::from(c.1.max(1)) + LEAST_MEAN).collect();
+            chords.iter().map(|c| c.0 / f64::from(c.1.max(1)) + MIN_MEAN).collect();
         let log = means.iter().map(|m| libm::log(*m)).sum::<f64>() / pairs as f64;
         say(epoch, libm::exp(log).to_degrees());
         // The derivative of the logarithm of each mean.

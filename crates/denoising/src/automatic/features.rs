@@ -44,7 +44,7 @@ const SCALARS: usize = 28 + QUANTILES + 4 * RADII.len() + 3 * FITS.len();
 pub const INPUTS: usize = 3 * CANDIDATES + SCALARS;
 
 /// The least spread of candidates: 10⁻⁴ radians.
-const LEAST_SPREAD: f64 = 1e-4;
+const MIN_SPREAD: f64 = 1e-4;
 
 /// The inputs of the network at one face.
 #[derive(Debug, Clone)]
@@ -328,7 +328,7 @@ fn sample(state: &State<'_>, wide: &[Vec<DVec3>; WIDE], f: usize, sums: &Sums) -
         *l = frame.map(|e| c.dot(e));
         squares += l[0] * l[0] + l[1] * l[1];
     }
-    let spread = (squares / CANDIDATES as f64 + LEAST_SPREAD * LEAST_SPREAD).sqrt();
+    let spread = (squares / CANDIDATES as f64 + MIN_SPREAD * MIN_SPREAD).sqrt();
     let mut inputs = [0.0f32; INPUTS];
     for (slot, l) in inputs.chunks_exact_mut(3).zip(&local) {
         slot[0] = (l[0] / spread) as f32;

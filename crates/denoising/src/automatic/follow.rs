@@ -8,11 +8,11 @@ use crate::DenoiseError;
 use crate::faces::FaceLists;
 
 /// The least area of a face, as a fraction of the mean area around it.
-const LEAST_FRACTION: f64 = 0.3;
+const MIN_FRACTION: f64 = 0.3;
 
 /// The least area of a face, in noise levels times its longest side: the area that noise can
 /// take away.
-const LEAST_NOISE: f64 = 0.5;
+const MIN_NOISE: f64 = 0.5;
 
 /// Cost of a move across the faces while folds open, as a multiple of a move within them.
 const STIFFNESS: f64 = 4.0;
@@ -50,7 +50,7 @@ impl<'a> Follow<'a> {
                 let [a, b, c] = noisy.triangle(f).map(DVec3::from);
                 let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
                 let mean = sum / (row.len() + 1) as f64;
-                (LEAST_FRACTION * mean).min(LEAST_NOISE * sigma * longest)
+                (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest)
             })
             .collect();
         Self { noisy, least, limit }

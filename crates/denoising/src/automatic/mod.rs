@@ -45,7 +45,7 @@ use uneven::uneven_parts;
 pub use surface::FaceKind;
 
 /// The largest noise level that counts as rounding, in mean edge lengths.
-const LEAST_NOISE: f64 = 1e-7;
+const MIN_NOISE: f64 = 1e-7;
 
 /// Vertex steps of the final surface.
 const STEPS: usize = 60;
@@ -309,5 +309,5 @@ fn approach_to(level: NoiseEstimate, h: f64) -> Approach {
 
 /// Returns `true` if the noise of a mesh is rounding.
 fn is_clean(mesh: &TriMesh, level: NoiseEstimate) -> bool {
-    level.sigma <= LEAST_NOISE * mesh.mean_edge_length()
+    level.sigma <= MIN_NOISE * mesh.mean_edge_length()
 }

@@ -10,7 +10,7 @@ use crate::faces::{Hinges, Marks};
 const APART: f64 = 0.35;
 
 /// A plane has at least this many vertices.
-const LEAST_WEIGHT: f64 = 12.0;
+const MIN_WEIGHT: f64 = 12.0;
 
 /// The fraction of a region's border with other regions that must be creases.
 const CREASED: f64 = 0.95;
@@ -34,7 +34,7 @@ const TURNING: f64 = 0.7;
 const ROUNDING: f64 = 1e-14;
 
 /// The largest number of faces in the test of a region for curvature.
-const MOST: usize = 4096;
+const MAX_TESTED: usize = 4096;
 
 /// The depth of the strips on both sides of a border that is tested for a crease, in hinges.
 const DEPTH: usize = 6;
@@ -273,7 +273,7 @@ impl Regions {
 
     /// The normal of each region that is a plane.
     fn planes(&self, evidence: &Evidence<'_>, normals: &[DVec3]) -> Vec<Option<DVec3>> {
-        let large = |r: usize| self.sums[r].weight >= LEAST_WEIGHT;
+        let large = |r: usize| self.sums[r].weight >= MIN_WEIGHT;
         // The hinges between each two large regions.
         let mut pairs: Vec<([u32; 2], u32)> = (evidence.hinges.all.iter().zip(0u32..))
             .map(|(hinge, h)| (hinge.faces.map(|f| self.index[f as usize]), h))
@@ -309,7 +309,7 @@ impl Regions {
                 if !large(r) || creased < CREASED * known || known < KNOWN * leaving[r] {
                     return None;
                 }
-                let stride = self.faces[r].len().div_ceil(MOST);
+                let stride = self.faces[r].len().div_ceil(MAX_TESTED);
                 let faces = self.faces[r].iter().copied().step_by(stride);
                 let [flat, curved] = squares(evidence, &self.sums[r], faces)?;
                 if flat - curved > doubt(self.sums[r].weight) * evidence.variance {

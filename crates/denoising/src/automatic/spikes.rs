@@ -20,7 +20,7 @@ const STEEP: f64 = 0.25;
 const ALONE: f64 = 1.0 / 3.0;
 
 /// The least fraction of vertices that are spikes: fewer may be tips.
-const LEAST_FRACTION: f64 = 0.01;
+const MIN_FRACTION: f64 = 0.01;
 
 /// Rounds; spikes beside others, and smaller ones, come out in later ones.
 const ROUNDS: usize = 4;
@@ -51,7 +51,7 @@ pub(super) fn without_spikes(
             .filter(|&v| is_spike(&current, &heights, v, FAR * level.sigma))
             .collect();
         let fraction = spikes.len() as f64 / current.vertex_count().max(1) as f64;
-        if spikes.is_empty() || (round == 0 && fraction < LEAST_FRACTION) {
+        if spikes.is_empty() || (round == 0 && fraction < MIN_FRACTION) {
             break;
         }
         let mut positions = current.positions().to_vec();

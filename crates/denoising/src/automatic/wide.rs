@@ -25,10 +25,10 @@ const _: () = {
 };
 
 /// The least number of faces for a thread: a step takes little time.
-const AT_LEAST: usize = 2048;
+const MIN_FACES: usize = 2048;
 
 /// The least mass of a face, in mean areas; keeps the system definite.
-const LEAST_MASS: f64 = 1e-6;
+const MIN_MASS: f64 = 1e-6;
 
 /// Returns the wide means at every face; zero where they cancel out.
 ///
@@ -71,7 +71,7 @@ impl Diffusion {
     fn new(state: &State<'_>, range: usize, strength: f64) -> Self {
         let (noisy, areas) = (&state.noisy, &state.current.areas);
         let count = areas.len();
-        let least = LEAST_MASS * areas.iter().sum::<f64>() / count.max(1) as f64;
+        let least = MIN_MASS * areas.iter().sum::<f64>() / count.max(1) as f64;
         let masses: Vec<f64> = areas
             .iter()
             .zip(&state.trust)
@@ -134,7 +134,7 @@ impl Diffusion {
                 rho = smaller;
                 found
             };
-            let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(AT_LEAST);
+            let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(MIN_FACES);
             both.for_each(|(f, (step, next))| {
                 let mut residual = self.target[f] - self.masses[f] * x[f];
                 for &(g, w) in &self.rows[f] {

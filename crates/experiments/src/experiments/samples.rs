@@ -39,7 +39,7 @@ const GRAPH: WavyGraph = WavyGraph { amplitude: 0.1, wave_number: std::f64::cons
 const MARGIN: f64 = 0.15;
 
 /// The least angle of a face that a flip may make, in degrees.
-const LEAST_ANGLE: f64 = 20.0;
+const MIN_ANGLE: f64 = 20.0;
 
 impl Sample {
     pub(super) const ALL: [Self; 4] = [
@@ -166,6 +166,6 @@ fn sound(mesh: &TriMesh, triangle: [u32; 3]) -> bool {
     let p = triangle.map(|v| DVec3::from(mesh.positions()[v as usize]));
     (0..3).all(|k| {
         let (x, y) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-        libm::atan2(x.cross(y).length(), x.dot(y)).to_degrees() >= LEAST_ANGLE
+        libm::atan2(x.cross(y).length(), x.dot(y)).to_degrees() >= MIN_ANGLE
     })
 }

@@ -284,12 +284,12 @@ impl Frame {
     /// Title and points of the plot, where they are and what they stand for.
     fn data(&self, plot: &Plot) -> String {
         /// A line of more points is described at this many of them.
-        const MOST: usize = 100;
+        const MAX_POINTS: usize = 100;
         let brief = |x: f64| format!("{:.4e}", x).parse::<f64>().unwrap_or(x);
         let series = plot.series.iter().filter(|s| !s.name.is_empty() && !s.points_of().is_empty());
         let series = series.map(|s| {
             let points = s.points_of();
-            let step = points.len().div_ceil(MOST);
+            let step = points.len().div_ceil(MAX_POINTS);
             let points = points.iter().step_by(step).map(|&p| {
                 let [x, y] = self.at(p);
                 format!("[{x:.1},{y:.1},{},{}]", brief(p[0]), brief(p[1]))

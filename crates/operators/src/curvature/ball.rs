@@ -29,7 +29,7 @@ fn sides_in_ball(triangle: &[DVec3; 3], square: f64) -> [[f64; 2]; 3] {
 /// The fraction of the area of a triangle inside the ball about the origin, given the parts of its
 /// sides: the plane of the triangle cuts the ball in a disc, whose intersection with the triangle
 /// is summed side by side. Zero for a triangle without area.
-fn share_in_ball(triangle: &[DVec3; 3], sides: &[[f64; 2]; 3], square: f64) -> f64 {
+fn fraction_in_ball(triangle: &[DVec3; 3], sides: &[[f64; 2]; 3], square: f64) -> f64 {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(c - a);
     let twice_area = normal.length();
@@ -86,7 +86,7 @@ pub(crate) struct FaceInBall {
     pub(crate) face: u32,
     pub(crate) triangle: [DVec3; 3],
     /// The fraction of its area inside the ball.
-    pub(crate) share: f64,
+    pub(crate) fraction: f64,
     /// The fraction of the side opposite each corner inside the ball.
     pub(crate) sides: [f64; 3],
 }
@@ -95,11 +95,11 @@ impl FaceInBall {
     #[inline]
     fn new(face: u32, triangle: [DVec3; 3], square: f64) -> Self {
         if triangle.iter().all(|&p| p.dot(p) <= square) {
-            return Self { face, triangle, share: 1.0, sides: [1.0; 3] };
+            return Self { face, triangle, fraction: 1.0, sides: [1.0; 3] };
         }
         let sides = sides_in_ball(&triangle, square);
-        let share = share_in_ball(&triangle, &sides, square);
-        Self { face, triangle, share, sides: sides.map(|[from, to]| to - from) }
+        let fraction = fraction_in_ball(&triangle, &sides, square);
+        Self { face, triangle, fraction, sides: sides.map(|[from, to]| to - from) }
     }
 }
 
@@ -161,7 +161,7 @@ mod tests {
         let triangle = triangle.map(DVec3::from);
         let [a, b, c] = triangle;
         let whole = 0.5 * (b - a).cross(c - a).length();
-        whole * FaceInBall::new(0, triangle, radius * radius).share
+        whole * FaceInBall::new(0, triangle, radius * radius).fraction
     }
 
     #[test]
@@ -194,7 +194,7 @@ mod tests {
         let counted = f64::from(inside) / f64::from(n * (n + 1) / 2);
         let found = FaceInBall::new(0, t, 0.64);
         // The count errs by the border over the spacing, a few in a thousand.
-        assert!((found.share - counted).abs() < 3e-3, "{} {counted}", found.share);
+        assert!((found.fraction - counted).abs() < 3e-3, "{} {counted}", found.fraction);
     }
 
     /// The faces of a plane inside a ball make up its disc.
@@ -206,7 +206,7 @@ mod tests {
         for radius in [0.02, 0.13, 0.3] {
             let mut sum = 0.0;
             explorer.visit(&plane, plane.topology(), centre, radius, |part| {
-                sum += part.share * plane.face_area(part.face as usize);
+                sum += part.fraction * plane.face_area(part.face as usize);
             });
             assert!((sum - PI * radius * radius).abs() < 1e-14, "{radius} {sum}");
         }

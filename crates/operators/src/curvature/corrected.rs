@@ -180,8 +180,8 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
                 }
             }
             Some(radii) => explorer.visit(mesh, topology, v, radii[v as usize], |part| {
-                if part.share > 0.0 {
-                    sum = sum.plus(&measures[part.face as usize], part.share);
+                if part.fraction > 0.0 {
+                    sum = sum.plus(&measures[part.face as usize], part.fraction);
                 }
             }),
         }

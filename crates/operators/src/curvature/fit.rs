@@ -33,7 +33,7 @@ pub(crate) struct HeightField<'a> {
 /// The least ratio of the units of the axes. Heights are rounded to ε of the
 /// long axis a, and second derivatives along the short one b divide that by b²:
 /// at this ratio they keep four digits of the curvature 1/a.
-const LEAST_UNIT: f64 = 1e-6;
+const MIN_UNIT: f64 = 1e-6;
 
 impl<'a> HeightField<'a> {
     /// The neighbours of the first of `vertices`, written to `points`; `None`
@@ -136,7 +136,7 @@ impl PrincipalAxes {
             .map(|p| turned.coordinates(p))
             .fold([0.0; 2], |[a, b], [x, y]| [a + x * x, b + y * y]);
         let units = squares.map(|s| (2.0 * s / count).sqrt());
-        (units[1] > LEAST_UNIT * units[0]).then_some(Self { direction, units })
+        (units[1] > MIN_UNIT * units[0]).then_some(Self { direction, units })
     }
 
     /// The coordinates of a point along the axes, each in its unit.

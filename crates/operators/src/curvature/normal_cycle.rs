@@ -75,7 +75,7 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         let mut area = 0.0;
         explorer.visit(mesh, topology, v, radii[v as usize], |part| {
             let f = part.face as usize;
-            area += part.share * areas[f];
+            area += part.fraction * areas[f];
             for (k, &e) in topology.face_edges()[f].iter().enumerate() {
                 let edge = part.triangle[(k + 2) % 3] - part.triangle[(k + 1) % 3];
                 // An edge inside comes from both of its faces.

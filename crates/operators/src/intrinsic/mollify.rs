@@ -78,8 +78,8 @@ fn lack([a, b, c]: [f64; 3], needed: f64) -> f64 {
     needed - (b + c - a).min(c + a - b).min(a + b - c)
 }
 
-/// The share of the needed slack that a mended triangle may lack. Triangles are
-/// mended to what they need up to rounding, which is far below this share;
+/// The fraction of the needed slack that a mended triangle may lack. Triangles are
+/// mended to what they need up to rounding, which is far below this fraction;
 /// without it rounding would decide whether a patch grows.
 const MENDED: f64 = 1e-6;
 

@@ -82,7 +82,7 @@ pub struct IntrinsicFaces {
     /// The lengths of the sides, three for each face, in mesh units.
     pub lengths: Vec<f64>,
     /// The weight of a face: ½ where the surface is covered twice.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 /// Assembles a stiffness and a mass on any triangle mesh that has an edge of a
@@ -114,7 +114,7 @@ pub fn robust_laplacian(
     options: RobustOptions,
 ) -> Result<RobustLaplacian, OperatorError> {
     OptionError::require_not_negative("mollification", options.mollify)?;
-    let (mut triangles, share) = match options.cover {
+    let (mut triangles, fraction) = match options.cover {
         Cover::Tufted => (tufted(mesh), 0.5),
         Cover::Single => (single(mesh)?, 1.0),
     };
@@ -140,10 +140,10 @@ pub fn robust_laplacian(
         let done = triangles.flip_to_delaunay();
         (flips, stuck) = (done.count, done.stuck);
     }
-    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, share)?;
+    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, fraction)?;
     let lengths = triangles.length;
     let (added_length, mollified) = (done.added, done.triangles);
-    let faces = IntrinsicFaces { corners: triangles.start, lengths, share };
+    let faces = IntrinsicFaces { corners: triangles.start, lengths, fraction };
     Ok(RobustLaplacian { stiffness, mass, added_length, mollified, flips, stuck, faces })
 }
 
@@ -156,15 +156,15 @@ fn longest_of(triangles: &Triangulation, t: usize) -> f64 {
 fn assemble(
     n: usize,
     triangles: &Triangulation,
-    share: f64,
+    fraction: f64,
 ) -> Result<(SparseMatrix, Vec<f64>), OperatorError> {
     let mut mass = vec![0.0; n];
     let mut entries = Vec::with_capacity(4 * triangles.start.len());
     for s in 0..triangles.start.len() as u32 {
         let (i, j) = (triangles.start[s as usize], triangles.start[after(s) as usize]);
-        mass[triangles.start[before(s) as usize] as usize] += share * triangles.area(s) / 3.0;
+        mass[triangles.start[before(s) as usize] as usize] += fraction * triangles.area(s) / 3.0;
         if i != j {
-            let weight = 0.5 * share * triangles.opposite_cotangent(s);
+            let weight = 0.5 * fraction * triangles.opposite_cotangent(s);
             entries.extend([(i, j, -weight), (j, i, -weight), (i, i, weight), (j, j, weight)]);
         }
     }

@@ -10,7 +10,7 @@ use crate::error::OperatorError;
 use crate::kind::{LaplacianKind, MassKind};
 use crate::stiffness::cotan_stiffness;
 
-/// Weights below zero by more than this share of the diagonal are negative;
+/// Weights below zero by more than this fraction of the diagonal are negative;
 /// less is rounding.
 const ROUNDING: f64 = 1e-10;
 

@@ -29,7 +29,7 @@ const SLACK: f64 = 1e-5;
 
 /// The mass of a vertex whose faces are all points, as a fraction of the mean
 /// mass: it moves with its neighbours.
-const LEAST_MASS: f64 = 1e-12;
+const MIN_MASS: f64 = 1e-12;
 
 /// The treatment of faces that are too thin for their cotangents in a
 /// [`CotangentPattern`] ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)).
@@ -337,9 +337,9 @@ fn widen(sides: [f64; 3]) -> FaceTerms {
     [half(a, b, c), half(b, c, a), half(c, a, b), area * longest * longest / 3.0]
 }
 
-/// Raises the masses of the corners of widened faces to [`LEAST_MASS`] of the mean.
+/// Raises the masses of the corners of widened faces to [`MIN_MASS`] of the mean.
 fn raise(mesh: &TriMesh, faces: &[u32], mass: &mut [f64]) {
-    let least = LEAST_MASS * mass.iter().sum::<f64>() / mass.len() as f64;
+    let least = MIN_MASS * mass.iter().sum::<f64>() / mass.len() as f64;
     for &v in faces.iter().flat_map(|&f| &mesh.faces()[f as usize]) {
         let m = &mut mass[v as usize];
         *m = m.max(least);
