@@ -108,7 +108,6 @@ impl Experiment for ExplicitFlow {
         // By the surface error: normals do not see a patch shrink.
         let is_best = [favourites[0], favourites[2]].iter().all(|&l| l == CLAIMED);
         let swept = Favourites::of(tables.get("sweep")?)?;
-        let area = of("patch", STRONG, "area")?;
         let creases = [of("machine part", CLAIMED, CREASES)?, of("machine part", STRONG, CREASES)?];
         let loses = creases[1] < creases[0];
         let [growth, _] = extremes(&spectra.column("growth at 2")?);
@@ -127,7 +126,7 @@ impl Experiment for ExplicitFlow {
             if depends { SEVERAL } else { "The best λ changes little from mesh to mesh." },
             swept.words(ITERATIONS),
             right_about_normals(swept.normals[1]),
-            closest(&favourites, area),
+            closest(&favourites, of("patch", STRONG, "area")?),
             brief(lowest),
             brief(highest),
             brief(least),
