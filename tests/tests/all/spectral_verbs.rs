@@ -313,7 +313,7 @@ fn residuals_above_the_usual_bound_are_named() {
     save(folder.path(), "close.ply", &sheet.with_positions(points).unwrap());
     let output = fairing(folder.path(), "spectrum close.ply -k 3 --boundary dirichlet");
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("above 1e-8 of their eigenvalue"), "{said}");
+    assert!(said.contains("exceed 1e-8 of their eigenvalue"), "{said}");
     assert!(said.contains("rounding dominates"), "{said}");
 
     // Faces without area: the largest eigenvalue of the robust operator is 10¹⁰ times the others.
