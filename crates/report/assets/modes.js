@@ -18,7 +18,7 @@ class ModeSum {
 
   controls() {
     this.slider = sliderRow('k', {min: 1, max: this.count, step: 0.05, value: Math.min(8, this.count)}, (k) => `k = ${readable(k, 4)}`, () => this.changed());
-    this.plot = element('div', {});
+    this.plot = element('div', {class: 'beside'});
     return [this.slider.row, this.plot];
   }
 

@@ -37,7 +37,7 @@ Playground.kinds.set('noise', class extends Playground {
     });
     this.panels = [this.stage('H, mean curvature', 'A noisy surface, coloured by mean curvature.'), this.stage('K, Gaussian curvature', 'The same surface, coloured by Gaussian curvature.')];
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.plots = element('div', {});
+    this.plots = element('div', {class: 'beside'});
     return [
       element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.surface.label, this.shown.label, again),
       element('div', {class: 'panels'}, ...this.panels.map(({panel}) => panel)),

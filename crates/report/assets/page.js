@@ -26,10 +26,15 @@ const fairing = (() => {
     figure.classList.add('still');
   }
 
+  /** Opens what is folded around an element. */
+  function reveal(inner) {
+    for (let at = inner.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
+  }
+
   /** Opens what is folded around a figure, goes there, marks it alone and moves the focus to it. */
   function mark(figure) {
     for (const other of document.querySelectorAll('figure.marked')) other.classList.remove('marked');
-    for (let at = figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
+    reveal(figure);
     figure.classList.add('marked');
     figure.tabIndex = -1;
     figure.focus({preventScroll: true});
@@ -51,12 +56,19 @@ const fairing = (() => {
     }
   }
 
-  /** The address holds `#view=state&view=state` or `#figure=line`; of other anchors only figures are marked. */
+  /** The address holds `#view=state&view=state` or `#figure=line`; of other anchors figures are marked, and what is folded is opened. */
   function readAddress() {
     const hash = location.hash.slice(1);
     if (!hash.includes('=')) {
-      const figure = document.getElementById(hash);
-      if (figure?.matches('figure.picture, figure.view, figure.play')) mark(figure);
+      const there = hash && document.getElementById(hash);
+      if (!there) return;
+      if (there.matches('figure.picture, figure.view, figure.play')) {
+        mark(there);
+        return;
+      }
+      const folded = there.closest('details:not([open])');
+      reveal(there);
+      if (folded) there.scrollIntoView();
       return;
     }
     let first = null;

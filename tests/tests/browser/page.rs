@@ -15,7 +15,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("a_section_shows_one_view_and_one_plot_and_folds_the_rest", folds),
         ("paper_shows_what_is_folded", unfolds),
         ("a_view_begins_in_its_colour", colours),
-        ("the_opening_says_what_was_found_and_what_to_remember", opens),
+        ("the_opening_comes_before_the_verdicts", opens),
         ("formulas_scroll_by_themselves", formulas),
         ("captions_of_tables_fit_a_telephone", captions),
         ("plots_of_a_figure_are_stacked_on_a_telephone", stacks),
@@ -144,15 +144,30 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
+/// The opening has the question and the number of claims; the table of claims, which follows, has
+/// the verdicts. A link to a source opens the fold that holds it.
 fn opens(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
-    let found = chrome.run("document.querySelector('.opening').textContent")?;
-    let text = found.as_str().unwrap_or_default();
-    for words in
-        ["Its one claim is half right.", "5a λ = 0.05 is best", "To remember: Keep λ below 2/|μ|"]
-    {
-        ensure!(text.contains(words), "no “{words}” in {text}");
+    let found = chrome.run(
+        "[document.querySelector('.opening').textContent,
+           document.querySelector('.opening + #claims').textContent,
+           document.querySelectorAll('.opening .verdict').length]",
+    )?;
+    let [opening, claims] = [0, 1].map(|k| found[k].as_str().unwrap_or_default());
+    for words in ["Its one claim is half right.", "what we would tell the student"] {
+        ensure!(opening.contains(words), "no “{words}” in {opening}");
     }
+    ensure!(claims.contains("λ = 0.05 is best") && found[2] == 0, "{found}");
+    let source = chrome.run(
+        "(() => {
+           const link = document.querySelector('#q5 a[href^=\"#source-\"]');
+           link?.click();
+           return link?.hash ?? '';
+         })()",
+    )?;
+    let id = source.as_str().unwrap_or_default();
+    let seen = format!("document.querySelector('{id}')?.checkVisibility()");
+    ensure!(!id.is_empty() && chrome.until(&seen, |seen| *seen == true)? == true, "{id} is folded");
     Ok(())
 }
 

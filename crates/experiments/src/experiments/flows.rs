@@ -46,7 +46,7 @@ fn section() -> Section {
     .edge_lengths_of("each sphere without noise")
     .sources(&["desbrun1999", "kazhdan2012", "taubin1995", "taubin1996", "vollmer1999"])
     .notation(&["x", "X", "H", "K", "n", "\\Delta", "t", "r"])
-    .shows(&["methods-view"], &["spheres"])
+    .shows(&["methods-view"], &[])
     .names(&[("radius", "the radius of a shrinking sphere"), ("conformal-view", "a bumpy sphere that becomes round"), ("methods", "scores of all methods"), ("conformal", "conformalised flow"), ("spheres", "mean curvature flow of the sphere")])
 }
 

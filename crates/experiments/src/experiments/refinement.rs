@@ -167,7 +167,7 @@ pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> 
             }
         }
         plot.series.extend(second_order(&plot.series));
-        figure.panels.push(Panel::drawing(plot.draw(if i == 2 { 540.0 } else { 270.0 }, 270.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(if i == 2 { 540.0 } else { 270.0 }, 235.0)?));
     }
     plotted(
         &figure,

@@ -16,26 +16,26 @@ use crate::numbers::{Item, is_paper, parts};
 use fairing_results::results::{FigureFile, Record};
 use fairing_results::section::Playground;
 
-/// The unfolded parts, then the rest folded under a line of their names. Numbered from `first`.
-pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<String> {
+/// The unfolded parts, and the rest folded under a line of their names. Numbered from `first`.
+pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<[String; 2]> {
     let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
         item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder)
     };
     let drawn: Vec<String> = items.par_iter().enumerate().map(one).collect::<Result<_>>()?;
-    let mut text = drawn[..seen].concat();
+    let mut folded = String::new();
     if seen < drawn.len() {
         let names: Vec<String> =
             items[seen..].iter().map(|item| layout::name(record, &item.id())).collect();
         let _ = write!(
-            text,
+            folded,
             "<details><summary>{}: {}</summary>{}</details>",
             counted("Figure", names.len()),
             escape(&names.join("; ")),
             drawn[seen..].concat()
         );
     }
-    Ok(text)
+    Ok([drawn[..seen].concat(), folded])
 }
 
 impl Item<'_> {
@@ -82,7 +82,7 @@ fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
     };
     match all.iter().position(is_it) {
         Some(k) => format!(
-            "<p class=\"paper-note\">This view is in the page only; Figure {} belongs to it.</p>",
+            "<p class=\"paper-note\">This view is interactive and not printed; see Figure {}.</p>",
             first + k
         ),
         None => String::new(),

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use crate::{bibliography, markdown, notation, numbers, story, thumbnail};
 use fairing_figure::ColorMap;
 use fairing_results::results::{Record, Results};
-use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::verdict::Verdict;
 use html::escape;
 pub use laboratory::laboratory;
 use style::STYLE;
@@ -151,46 +151,22 @@ fn contents(results: &Results) -> String {
     )
 }
 
-/// The idea under the reader's hand, then the subject and the findings.
+/// The idea under the reader's hand, then the subject and the number of claims that hold: the
+/// table of claims follows.
 fn opening(results: &Results) -> String {
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
+    let lessons = match story::rules(results).is_empty() {
+        true => "",
+        false => " At the end is <a href=\"#rules\">what we would tell the student</a>.",
+    };
     let mut text = format!(
-        "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}</p>",
+        "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}{lessons}</p>",
         story::IDEA,
         figures::playground(&story::first_playground(), ""),
         story::QUESTION,
         story::about(results),
         story::tally(results)
     );
-    let claim = |c: &&Judgement| {
-        let finding = if c.finding.is_empty() { &c.claim } else { &c.finding };
-        format!(
-            "<a href=\"#claim-{0}\">{0}</a> {1}",
-            escape(&c.id),
-            escape(finding.trim_end_matches('.'))
-        )
-    };
-    let groups: String = story::GROUPS
-        .iter()
-        .filter_map(|(verdict, words)| {
-            let judged = results.judged(*verdict);
-            let claims: Vec<String> = judged.iter().map(claim).collect();
-            let line = format!(
-                "<li><span class=\"verdict {}\">{words}:</span> {}.</li>",
-                verdict.key(),
-                claims.join("; ")
-            );
-            (!claims.is_empty()).then_some(line)
-        })
-        .collect();
-    if !groups.is_empty() {
-        let lessons = story::lessons(results);
-        let lessons = match lessons.is_empty() {
-            true => lessons,
-            false => format!("<li><a href=\"#rules\">To remember:</a> {}.</li>", escape(&lessons)),
-        };
-        let _ = write!(text, "<ul class=\"found\">{groups}{lessons}</ul>");
-    }
     if failed > 0 {
         let s = if failed == 1 { "" } else { "s" };
         let _ = write!(text, "<p class=\"error\">{failed} experiment{s} failed.</p>");
@@ -258,9 +234,10 @@ fn rules(results: &Results) -> String {
     )
 }
 
-/// The bibliography, with links.
+/// The bibliography, with links; folded, and unfolded by a link to an entry.
 fn sources(results: &Results) -> String {
-    let items: String = bibliography::of(results)
+    let all = bibliography::of(results);
+    let items: String = all
         .iter()
         .map(|(entry, sections)| {
             let links: Vec<String> =
@@ -280,7 +257,11 @@ fn sources(results: &Results) -> String {
         .collect();
     match items.is_empty() {
         true => items,
-        false => format!("<section id=\"sources\"><h2>Sources</h2><ul>{items}</ul></section>"),
+        false => format!(
+            "<section id=\"sources\"><h2>Sources</h2><details><summary>{} papers and books, with links</summary>\
+             <ul>{items}</ul></details></section>",
+            all.len()
+        ),
     }
 }
 
@@ -303,8 +284,7 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     if items.is_empty() {
         return Ok(items);
     }
-    let names: Vec<String> =
-        thumbnail::all(results).iter().map(|(card, _)| escape(&card.name)).collect();
+    let count = thumbnail::all(results).len();
     let stand_ins = markdown::stand_ins(results);
     let origin = match stand_ins.is_empty() {
         true => "They are those of the assignment, or made here.".to_string(),
@@ -315,16 +295,12 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
         ),
     };
     Ok(format!(
-        "<section id=\"meshes\"><h2>The meshes</h2><p>Each mesh has one name in all sections.</p>\
-         <details><summary>{} meshes with their pictures: {}</summary><ul class=\"meshes\">{items}</ul>\
-         <p>{origin}</p></details></section>",
-        names.len(),
-        names.join(", ")
+        "<section id=\"meshes\"><h2>The meshes</h2><details><summary>{count} meshes with their pictures</summary>\
+         <p>Each mesh has one name in all sections. {origin}</p><ul class=\"meshes\">{items}</ul></details></section>"
     ))
 }
 
-/// A row for each claim: its verdict, the true statement, and the deciding number. Our own are
-/// folded.
+/// A row for each claim: its verdict and the true statement. Our own are folded.
 fn claims(results: &Results) -> String {
     let source = claim_table(results, false, "The original report claims");
     let ours = claim_table(results, true, "Fairing claims");
@@ -353,22 +329,20 @@ fn claims(results: &Results) -> String {
 fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
     let mut rows = String::new();
     for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
-        let number = claim.numbers.first().map(section::decided).unwrap_or_default();
         let _ = write!(
             rows,
-            "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
+            "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td></tr>",
             escape(&claim.id),
             escape(&claim.claim),
             section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
             escape(&claim.finding),
-            number,
         );
     }
     match rows.is_empty() {
         true => rows,
         false => format!(
             "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th><th scope=\"colgroup\">{heading}</th>\
-             <th>Verdict</th><th>What is true</th><th>Deciding number</th></tr>{rows}</tbody></table></div>"
+             <th>Verdict</th><th>What is true</th></tr>{rows}</tbody></table></div>"
         ),
     }
 }

@@ -41,8 +41,13 @@ pub(super) fn experiment(
         let _ = write!(text, "<div class=\"judged\">{claims}</div>");
     }
     text += &method(record)?;
-    text += &figures::shown(record, first, folder)?;
-    text += &tables::tables(record, folder)?;
+    let [figures, folded_figures] = figures::shown(record, first, folder)?;
+    let [tables, folded_tables] = tables::tables(record, folder)?;
+    text += &(figures + &tables);
+    let folded = folded_figures + &folded_tables;
+    if !folded.is_empty() {
+        let _ = write!(text, "<div class=\"folds\">{folded}</div>");
+    }
     let notes: Vec<String> =
         record.notes.iter().map(|note| format!("<p>{}</p>", with_code(note))).collect();
     if let Some((first, others)) = notes.split_first() {
@@ -62,16 +67,21 @@ fn method(record: &Record) -> Result<String> {
     if let Some(first) = paragraphs.next() {
         let _ = write!(text, "<p>{}</p>", escape(first));
     }
-    for formula in &record.formulas {
-        // Where the screen is narrow, parts go below one another.
-        let parts = formula.split(r"\qquad").flat_map(|part| part.split(r"\quad"));
-        let parts: Vec<String> = parts.map(mathml::displayed).collect::<Result<_>>()?;
+    // Side by side; where the screen is narrow, parts go below one another.
+    let parts = record.formulas.iter().flat_map(|formula| formula.split(r"\qquad"));
+    let parts = parts.flat_map(|part| part.split(r"\quad")).map(mathml::displayed);
+    let parts: Vec<String> = parts.collect::<Result<_>>()?;
+    if !parts.is_empty() {
         let _ = write!(text, "<p class=\"formula\">{}</p>", parts.concat());
     }
-    if let Some(reference) = notation::reference(record) {
-        let _ = write!(text, "<p class=\"soft\">{}</p>", escape(&reference));
+    let asides: Vec<String> = notation::reference(record)
+        .map(|reference| escape(&reference))
+        .into_iter()
+        .chain(sources(record))
+        .collect();
+    if !asides.is_empty() {
+        let _ = write!(text, "<p class=\"soft\">{}</p>", asides.join(" "));
     }
-    text += &sources(record);
     let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
     let (rows, files) = (parameters(record), files(record));
     text += "<div class=\"folds\">";
@@ -90,16 +100,13 @@ fn method(record: &Record) -> Result<String> {
     Ok(text + "</div>")
 }
 
-/// Links to the sources.
-fn sources(record: &Record) -> String {
+/// Links to the sources; `None` without any.
+fn sources(record: &Record) -> Option<String> {
     let entries = record.section.sources.iter().filter_map(|key| bibliography::entry(key));
     let links: Vec<String> = entries
         .map(|e| format!("<a href=\"#source-{}\">{}</a>", escape(&e.key), escape(&e.short)))
         .collect();
-    match links.is_empty() {
-        true => String::new(),
-        false => format!("<p class=\"soft\">Sources: {}.</p>", links.join("; ")),
-    }
+    (!links.is_empty()).then(|| format!("Sources: {}.", links.join("; ")))
 }
 
 /// The Rust code and the commands that reproduce the section.
@@ -204,11 +211,15 @@ fn parameters(record: &Record) -> String {
     }
 }
 
+/// The meshes of a section: names, not links, since the page may travel without its folder.
 fn files(record: &Record) -> String {
-    let one = |(path, about): (String, String)| {
-        format!("<li><a href=\"{path}\">{path}</a>: {about}</li>")
-    };
+    let one = |(path, about): (String, String)| format!("<li><code>{path}</code>: {about}</li>");
     let others = record.other_files().map(|f| (escape(&f.path), escape(&f.about)));
     let items: String = others.map(one).collect();
-    if items.is_empty() { items } else { format!("<ul>{items}</ul>") }
+    match items.is_empty() {
+        true => items,
+        false => format!(
+            "<p class=\"soft\">In the folder in which this page was made:</p><ul>{items}</ul>"
+        ),
+    }
 }

@@ -12,7 +12,7 @@ use crate::{layout, markdown};
 use fairing_results::results::Record;
 use fairing_results::table::{Cell, Table, Unit};
 
-/// Tables with deciding rows; the others are folded.
+/// Tables with deciding rows, and the others, folded.
 ///
 /// What is folded stands in a `<noscript>`, which the page's script opens with the fold, so that
 /// thousands of cells are no elements until they are asked for.
@@ -20,7 +20,7 @@ use fairing_results::table::{Cell, Table, Unit};
 /// # Errors
 ///
 /// If a CSV file cannot be read.
-pub(super) fn tables(record: &Record, folder: &Path) -> Result<String> {
+pub(super) fn tables(record: &Record, folder: &Path) -> Result<[String; 2]> {
     let one = |t: &Table, folded: bool| {
         let csv = format!("{}/{}.csv", record.id, t.id);
         let bytes = fs::read(folder.join(&csv)).with_context(|| format!("reading {csv}"))?;
@@ -32,17 +32,18 @@ pub(super) fn tables(record: &Record, folder: &Path) -> Result<String> {
     for table in seen {
         text += &one(table, false)?;
     }
+    let mut rest = String::new();
     if !folded.is_empty() {
         let names: Vec<String> = folded.iter().map(|t| layout::name(record, &t.id)).collect();
         let _ = write!(
-            text,
+            rest,
             "<details><summary>{}: {}</summary><noscript>{}</noscript></details>",
             counted("Table", folded.len()),
             escape(&names.join("; ")),
             folded.into_iter().map(|table| one(table, true)).collect::<Result<String>>()?
         );
     }
-    Ok(text)
+    Ok([text, rest])
 }
 
 /// `Table`, or `3 tables`.

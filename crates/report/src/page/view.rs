@@ -47,13 +47,14 @@ pub(super) fn figure(
     let mut html = String::new();
     let _ = write!(
         html,
-        "<figure class=\"view\" id=\"{id}\" data-fallback=\"{fallback}\">\
+        "<figure class=\"view\" id=\"{id}\" data-panels=\"{panels}\" data-fallback=\"{fallback}\">\
          <div class=\"stage\"><p class=\"hint\">{alt}</p></div>{paper}\
          <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }}</style></noscript>\
          <figcaption>{label}{caption}</figcaption>\
          <script class=\"about\" type=\"application/json\">{about}</script>\
          <script class=\"data\" type=\"text/plain\">{data}</script></figure>",
         id = escape(id),
+        panels = about["panels"].as_array().map_or(0, Vec::len),
         fallback = escape(fallback),
         alt = escape(&view.alt),
         caption = escape(&view.caption),
