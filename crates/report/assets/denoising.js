@@ -23,7 +23,7 @@ Playground.kinds.set('denoising', class extends Playground {
       return {stage, facts};
     });
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.plots = element('div', {});
+    this.plots = element('div', {class: 'beside'});
     const {positions, faces} = Surfaces.turned(this.constructor.outline, 0.1);
     Object.assign(this, {truth: positions, faces, ball: {center: [0, 0, 0], radius: 1.2}});
     return [
@@ -45,8 +45,8 @@ Playground.kinds.set('denoising', class extends Playground {
   /** The part under this noise, after diffusion and after the filter, each with its scores. */
   restored(sigma) {
     const scored = async (mesh, positions) => {
-      const {normal_mean: angle, volume_drift: volume, feature_recall: recall} = await Computing.matching(mesh, this.number);
-      return {positions, angle, volume: 100 * volume, creases: 100 * recall};
+      const {normal_mean: angle, volume_drift: volume, feature_f_score: score} = await Computing.matching(mesh, this.number);
+      return {positions, angle, volume: 100 * volume, creases: 100 * score};
     };
     const noise = {verb: 'noise', method: 'axes', mesh: this.number, values: {sigma, seed: this.seed}};
     return Computing.made(noise, async (mesh, positions) => [
@@ -63,7 +63,7 @@ Playground.kinds.set('denoising', class extends Playground {
     this.now = {sigma, found: await this.restored(sigma)};
   }
 
-  /** E_a over the noise, which is kept until the steps, the rounds or the seed change. */
+  /** The normal error over the noise, which is kept until the steps, the rounds or the seed change. */
   async refine() {
     const key = [this.steps.value(), this.rounds.value(), this.seed].join();
     if (key === this.key) return;
@@ -81,9 +81,9 @@ Playground.kinds.set('denoising', class extends Playground {
       const {positions, angle, volume, creases} = this.now.found[k];
       const fact = (name, value) => element('span', {class: 'fact'}, `${name} `, element('b', {}, value));
       facts.replaceChildren(
-        fact('E_a', `${readable(angle, 2)}°`),
+        fact('normal error', `${readable(angle, 2)}°`),
         fact('volume', `${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`),
-        fact('creases kept', `${readable(creases, 2)} %`));
+        fact('creases, F-score', `${readable(creases, 2)} %`));
       const values = Derived.angles(positions, this.truth, this.faces);
       stage.show(positions, this.faces, this.ball, {flat: true, colors: {values, range: [0, 40], map: 'viridis', name: 'normal error', unit: '°'}});
     });
@@ -93,19 +93,19 @@ Playground.kinds.set('denoising', class extends Playground {
 
   verdict() {
     const [noisy, flow, filter] = this.now.found;
-    const of = ({angle, volume, creases}) => `E_a ${readable(angle, 2)}°, ${readable(creases, 2)} % of the creases, volume ${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`;
+    const of = ({angle, volume, creases}) => `a normal error of ${readable(angle, 2)}°, creases with an F-score of ${readable(creases, 2)} % and a volume changed by ${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`;
     const least = Math.min(noisy.angle, flow.angle, filter.angle);
     const who = least === noisy.angle ? 'Nothing helps here: the noisy part is the closest to the truth'
-      : `${least === filter.angle ? 'The filter' : 'Diffusion'} leaves the least E_a`;
-    return `Diffusion leaves ${of(flow)}; the filter ${of(filter)}. ${who}.`;
+      : `${least === filter.angle ? 'The filter' : 'Diffusion'} leaves the least normal error`;
+    return `${who}. Diffusion leaves ${of(flow)}; the filter ${of(filter)}.`;
   }
 
   plot(sigma) {
-    const names = [['noisy', 'soft'], ['diffusion', 'red'], ['filter', 'blue']];
+    const names = [['noisy', 'soft'], ['diffusion', 'explicit'], ['filter', 'filter']];
     return linePlot({
-      label: 'E_a over the noise: of the noisy part, after diffusion and after the filter',
+      label: 'normal error over the noise: of the noisy part, after diffusion and after the filter',
       x: {from: 0, to: 0.6, label: 'noise σ/h'},
-      y: {from: 0, to: 80, label: 'E_a in degrees'},
+      y: {from: 0, to: 80, label: 'normal error in degrees'},
       series: names.map(([name, kind], k) => ({name, kind, points: (this.curve ?? []).map((row) => [row[0], row[1 + k]])})),
       marks: [{at: sigma}],
       here: this.now.found.map(({angle}) => [sigma, Math.min(80, angle)]),

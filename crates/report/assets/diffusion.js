@@ -104,7 +104,7 @@ Playground.kinds.set('diffusion', class extends Playground {
   factorPlot(lambda, factors) {
     const along = Array.from({length: 101}, (_, i) => i / 50);
     const series = Object.entries(factors).map(([name, factor]) => (
-      {name, kind: name === 'explicit' ? 'red' : 'blue', points: along.map((m) => [m, factor(-m)])}));
+      {name, kind: name, points: along.map((m) => [m, factor(-m)])}));
     const rough = -this.roughest;
     const plot = linePlot({
       label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
@@ -125,8 +125,8 @@ Playground.kinds.set('diffusion', class extends Playground {
     const dots = (factor) => Array.from(values, (x, k) => [x, sizes[k] * Math.abs(factor(-x)) ** count]);
     const series = [
       {name: 'input', kind: 'soft', dots: true, points: dots(() => 1)},
-      {name: 'explicit', kind: 'red', dots: true, points: dots(factors.explicit)},
-      {name: 'implicit', kind: 'blue', dots: true, points: dots(factors.implicit)},
+      {name: 'explicit', kind: 'explicit', dots: true, points: dots(factors.explicit)},
+      {name: 'implicit', kind: 'implicit', dots: true, points: dots(factors.implicit)},
     ];
     const plot = linePlot({
       label: 'size of each mode in the positions before and after, on a logarithmic axis',

@@ -197,7 +197,7 @@ function factorPlot(lambda, roughest) {
     y: {from: -1.5, to: 1.2, label: 'factor of one step'},
     band: [-1, 1],
     series: Object.entries(factors).map(([name, factor]) => (
-      {name, kind: name === 'explicit' ? 'red' : 'blue', points: along.map((m) => [m, factor(m)])})),
+      {name, kind: name, points: along.map((m) => [m, factor(m)])})),
     marks: [{at: roughest, words: 'roughest'}],
   });
 }

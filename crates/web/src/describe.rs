@@ -54,7 +54,7 @@ fn matching(mesh: &TriMesh, reference: &TriMesh, feature_angle: f64) -> Result<A
     let value = json!({
         "normal_mean": normal_error(mesh, reference)?.mean,
         "volume_drift": drift(mesh, reference).volume,
-        "feature_recall": feature_edges(mesh, reference, feature_angle)?.recall(),
+        "feature_f_score": feature_edges(mesh, reference, feature_angle)?.f_score(),
     });
     Ok(value.into())
 }

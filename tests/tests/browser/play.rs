@@ -206,18 +206,21 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
             let creases = feature_edges(expected, &truth, 30.0)?;
             let scores = numbers(&found[2][k]);
             let volume = 100.0 * drift(expected, &truth).volume.context("no volume")?;
-            let recall = 100.0 * creases.recall().context("no creases")?;
+            let score = 100.0 * creases.f_score().context("no creases")?;
             let off = [
                 (scores[0] - normal_error(expected, &truth)?.mean).abs() / 1e-6,
                 (scores[1] - volume).abs() / 1e-9,
-                (scores[2] - recall).abs() / (101.0 / creases.expected as f64),
+                (scores[2] - score).abs() / (101.0 / creases.expected as f64),
             ];
             ensure!(
                 off.iter().all(|off| *off <= 1.0),
                 "σ = {sigma}, panel {k}: {scores:?}, {off:?}"
             );
             let words = found[3][k].as_str().unwrap_or_default();
-            ensure!(["E_a", "volume", "creases kept"].iter().all(|w| words.contains(w)), "{words}");
+            ensure!(
+                ["normal error", "volume", "F-score"].iter().all(|w| words.contains(w)),
+                "{words}"
+            );
         }
         // A tenth of this on an idle machine.
         ensure!(found[4].as_f64().is_some_and(|ms| ms < 2000.0), "{} ms", found[4]);
