@@ -52,7 +52,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
         pictures.push(picture);
     }
     if !current {
-        outcome.notes.push("The kept results of the benchmark are not those of this denoiser, and are left out: `cargo xtask benchmark measure --accept` makes them.".into());
+        outcome.notes.push("The stored results of the benchmark do not belong to this denoiser and are left out: `cargo xtask benchmark measure --accept` makes new ones.".into());
         return Ok(());
     }
     outcome.figures.push(ratios(&mine)?);
@@ -80,7 +80,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
     }
     outcome.tables.extend([families, sets, lost]);
     outcome.notes.push(
-        "The tables of the benchmark were not measured in this run: they are those that `cargo xtask benchmark measure --accept` stores. This run has measured the worst case of each set again.".into(),
+        "The tables of the benchmark were not measured in this run: `cargo xtask benchmark measure --accept` stores them. This run has measured the worst case of each set again.".into(),
     );
     Ok(())
 }
@@ -251,13 +251,28 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     .draw(
         &format!("worst-{set}"),
         &format!(
-            "Here the automatic denoiser does worst beside the best published method, whose parameters were tuned with the truth: {}° against {}°. The worst case of the {set} set, “{name}”: the truth, the noisy mesh and both results, flat shaded, with their normal errors.",
+            "Here the automatic denoiser does worst beside the best published method, whose parameters were tuned with the truth: {}° against {}°. The worst case of the {set} set, “{name}”, {}: the truth, the noisy mesh and both results, flat shaded, with their normal errors.",
             brief(now.angle),
-            brief(entry.tuned)
+            brief(entry.tuned),
+            match set {
+                Set::Development => "a family that training saw",
+                Set::Unseen => "a family that training did not see, though its results were known meanwhile",
+                Set::Fresh => "a family that neither training nor any choice has seen",
+            }
         ),
         "Four pictures of one mesh: without noise, noisy, and denoised by two methods.",
     )?;
     Ok((now, picture))
+}
+
+/// The number of cases of all sets, and of those in which a published method at its default
+/// parameters does better; zeros where the results are left out.
+pub(super) fn worse_than_defaults(tables: Tables<'_>) -> Result<[usize; 2]> {
+    let Ok(sets) = tables.get("sets") else { return Ok([0, 0]) };
+    let total = |column: &str| -> Result<usize> {
+        Ok(sets.column(column)?.into_iter().sum::<f64>() as usize)
+    };
+    Ok([total("compared")?, total("worse than a default")?])
 }
 
 /// Judges the bar on the families that no choice was based on, the unseen and the

@@ -50,13 +50,19 @@ impl Method {
         }
     }
 
-    /// The flows of the original report.
-    pub(super) const OF_THE_REPORT: [Self; 4] =
+    /// The flows: two that cover the same diffusion time, as chosen here, and two as the original
+    /// report recommends.
+    pub(super) const FLOWS: [Self; 4] =
         [Self::Explicit, Self::Implicit, Self::ReportExplicit, Self::ReportImplicit];
+
+    /// Returns true for the denoiser whose networks are trained on generated bodies.
+    pub(super) fn is_trained(self) -> bool {
+        matches!(self, Self::Denoiser(Denoiser::Automatic(_)))
+    }
 
     /// Returns true for a flow or filter that ignores creases.
     pub(super) fn is_linear(self) -> bool {
-        Self::OF_THE_REPORT.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
+        Self::FLOWS.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
     }
 }
 
@@ -99,6 +105,8 @@ pub(super) struct Body {
     surface: SurfaceTree,
     /// Modes of the edge graph, which noise does not change.
     modes: Option<Modes>,
+    /// True if the networks of the automatic denoiser were trained on bodies of this kind.
+    pub(super) is_trained_on: bool,
 }
 
 /// The modes that the spectral method keeps.
@@ -122,7 +130,12 @@ pub(super) struct Kept {
 impl Body {
     pub(super) fn new(name: &'static str, truth: TriMesh) -> Result<Self> {
         let surface = SurfaceTree::new(&truth)?;
-        Ok(Self { name, truth, surface, modes: None })
+        Ok(Self { name, truth, surface, modes: None, is_trained_on: false })
+    }
+
+    /// The same model, of a kind that the networks of the automatic denoiser were trained on.
+    pub(super) fn trained_on(self) -> Self {
+        Self { is_trained_on: true, ..self }
     }
 
     /// The same model, ready for [`Method::Spectral`].
@@ -289,7 +302,7 @@ mod tests {
 
     use super::*;
 
-    /// The names of the report's flows say the steps that they take.
+    /// The names of two flows say the steps that they take.
     #[test]
     fn names_say_the_steps() {
         for (method, kind, steps) in [

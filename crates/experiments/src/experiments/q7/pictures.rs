@@ -35,10 +35,11 @@ const SHOWN: [Method; 6] = [
 /// Methods left out of the views: one step of implicit smoothing looks like ten explicit ones.
 const UNVIEWED: [Method; 2] = [Method::Nothing, Method::Explicit];
 
-/// The lines of the plots: as many as there are colours.
+/// The lines of the plots: as many as there are colours. The first two have those of the
+/// playgrounds.
 const CURVES: [Method; 7] = [
-    Method::Explicit,
     Method::Implicit,
+    Method::Explicit,
     Method::Taubin,
     Method::Spectral,
     Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)),
@@ -62,13 +63,10 @@ pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, Vie
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "The machine part under three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal. Counterpart of Figure 12 of the original report.",
         "Three rows of six pictures of the machine part, one for each level: noisy, smoothed, and denoised.",
     )?;
-    Ok((
-        picture,
-        restored.view("levels", "the three levels of noise of Figure 12 of the original report")?,
-    ))
+    Ok((picture, restored.view("levels", " Counterpart of Figure 12 of the original report.")?))
 }
 
 /// The same of the scan, levels in h.
@@ -91,7 +89,19 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
             scan.name
         ),
     )?;
-    Ok((picture, restored.view("scan", "noise")?))
+    Ok((picture, restored.view("scan", "")?))
+}
+
+/// A sentence that says which of the bodies are of kinds that training saw; empty if none is.
+fn trained(bodies: &[&Body]) -> String {
+    let names = bodies.iter().filter(|body| body.is_trained_on);
+    let names: Vec<String> = names.map(|body| format!("the {}", body.name)).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => {
+            format!(" The automatic denoiser was trained on bodies like {}.", seen::list(&names))
+        }
+    }
 }
 
 /// A level of noise.
@@ -129,7 +139,7 @@ impl<'a> Restored<'a> {
     }
 
     fn draw(&self, id: &str, caption: &str, alt: &str) -> Result<Picture> {
-        let caption = format!("{} {caption}", self.to_see()?);
+        let caption = format!("{} {caption}{}", self.to_see()?, trained(&[self.body]));
         let drawn = self.levels.iter().zip(&self.meshes).filter(|(level, _)| level.drawn);
         let rows = drawn.map(|(level, meshes)| Row {
             title: format!("σ = {}", level.name),
@@ -155,7 +165,7 @@ impl<'a> Restored<'a> {
 
     /// The noisy model, the result of a method, and the truth, with sliders for the noise and the
     /// method.
-    fn view(&self, figure: &str, noise: &str) -> Result<View> {
+    fn view(&self, figure: &str, counterpart: &str) -> Result<View> {
         let name = self.body.name;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
         let (mut noisy, mut results) = (vec![], vec![]);
@@ -173,7 +183,8 @@ impl<'a> Restored<'a> {
             id: format!("{figure}-view"),
             mesh: name.into(),
             caption: format!(
-                "As σ grows, what a method gains in normals it can lose in volume or creases: the numbers are under the panels. The {name} under {noise}, after each method, and without noise."
+                "What a method gains in normals it can lose in volume or creases: the numbers are under the panels. The {name} with noise, after each method, and without noise.{counterpart}{}",
+                trained(&[self.body])
             ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
@@ -183,7 +194,7 @@ impl<'a> Restored<'a> {
                 Slider::new("σ", self.levels.iter().map(|level| &level.name)),
                 Slider::new("method", viewed().map(|(_, method)| method.name())),
             ],
-            start: vec![1, viewed().count() - 1],
+            start: vec![1, viewed().count() - 2],
             panels: vec![
                 self.with_facts(noisy_panel, &noisy)?,
                 self.with_facts(result_panel, &results)?,
@@ -215,24 +226,27 @@ impl<'a> Restored<'a> {
 
 /// Errors over the noise, a figure for each error with a plot for each mesh of the sweep and for
 /// the machine part.
-pub(super) fn curves(sweep: &Table, model: &Table) -> Result<Vec<Picture>> {
+pub(super) fn curves(sweep: &Table, model: &Table, bodies: &[&Body]) -> Result<Vec<Picture>> {
+    let training = trained(bodies);
     let errors = [
         (
             "normals",
             "normal error",
             "normal error in degrees",
-            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; coloured: methods that are best somewhere, each in one colour in all plots.",
+            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; in colour: the methods that are best somewhere, each in one colour in all plots.",
         ),
         (
             "distances",
             "vertex error",
             "vertex error in h",
-            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise; coloured: methods that are best somewhere, each in one colour in all plots.",
+            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise, with the same colours.",
         ),
     ];
     errors
         .into_iter()
-        .map(|(id, column, label, caption)| curve([sweep, model], id, column, label, caption))
+        .map(|(id, column, label, caption)| {
+            curve([sweep, model], id, column, label, &format!("{caption}{training}"))
+        })
         .collect()
 }
 
@@ -283,7 +297,7 @@ fn curve(
         if column == "normal error" {
             plot.series.push(Series::new(KEPT_NAME, Shape::Level(KEPT)));
         }
-        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 180.0)?));
     }
     let picture = plotted(
         &figure,
