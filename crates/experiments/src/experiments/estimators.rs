@@ -151,7 +151,11 @@ impl Experiment for Estimators {
         )
         .finding(match reaching.is_empty() {
             true => "None of the estimators does.".to_string(),
-            false => format!("{} of the {} estimators {}, for both H and K: {}.", reaching.len(), Estimator::all().len(), if reaching.len() == 1 { "does" } else { "do" }, reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and ")),
+            false => format!(
+                "Of the {} estimators it holds only for {}, in both H and K.",
+                Estimator::all().len(),
+                reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and "),
+            ),
         })
         .ours()
         .shown(Shown::line("estimators", "largest-mean", best));
@@ -404,13 +408,13 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             plot.series.push(if stands_out { line } else { line.quiet() });
         }
         plot.series.extend(second_order(&plot.series));
-        figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(450.0, 185.0)?));
     }
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
+            "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. In colour are the two estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
             short(ROUNDING)
         ),
         &format!(

@@ -143,7 +143,7 @@ impl Experiment for Noise {
                 reason,
             )
             .finding(format!(
-                "Noise disturbs both: {least} h of it changes K by {} % or more. In the unit of H, √|K| changes {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
+                "Noise disturbs both: noise of {least} h changes K by {} % or more. √|K|, which has the unit of H, changes {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
                 brief(100.0 * k_low),
                 brief(middle)
             ))

@@ -139,12 +139,14 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
     let [patch, part] = best.normals;
     let apart = |normals: Best, surface: Best| normals.lambda > surface.lambda;
     let first = match apart(patch, best.surface[0]) && apart(part, best.surface[1]) {
-        true => "The normal error is least at longer steps than the surface error, on both meshes",
-        false => "The best λ differs between the normal and the surface error",
+        true => {
+            "On both meshes the normal error is smallest at longer steps than the surface error"
+        }
+        false => "The normal error and the surface error are not smallest at the same λ",
     };
     let end = match patch.is_last {
         true => {
-            "; those of the patch improve up to the last step, because they do not see it shrink"
+            "; the normal error of the patch falls up to the last step, because normals do not see a mesh shrink"
         }
         false => "",
     };
@@ -170,7 +172,7 @@ pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
             let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
             plot.series.push(Series::marked(mesh, points));
         }
-        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 230.0)?));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
     }
     let picture =
         plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")?;
@@ -241,12 +243,16 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
-    /// The figures of the original report that show the same.
+    /// The figures of the original report that show the same, as a sentence.
     fn counterpart(&self, mesh: &str) -> &'static str {
         match (self.kind, mesh) {
-            ("explicit", "patch") => " (Figures 5 to 7 of the original report)",
-            ("explicit", "machine part") => " (Figures 8 and 9 of the original report)",
-            ("implicit", "patch" | "machine part") => " (Figure 10 of the original report)",
+            ("explicit", "patch") => " Counterpart of Figures 5 to 7 of the original report.",
+            ("explicit", "machine part") => {
+                " Counterpart of Figures 8 and 9 of the original report."
+            }
+            ("implicit", "patch" | "machine part") => {
+                " Counterpart of Figure 10 of the original report."
+            }
             _ => "",
         }
     }
@@ -269,14 +275,14 @@ impl OverLambda<'_> {
         }
         let scaled = shown.iter().any(|(title, _)| title.contains('('));
         let caption = format!(
-            "{} The {} before and after {iterations} {kind} steps{}, from two viewpoints{}.",
+            "{} The {} before and after {iterations} {kind} steps, from two viewpoints{}.{}",
             seen(model.name, lambdas, measured),
             model.name,
-            self.counterpart(model.name),
             match scaled {
                 true => "; a title in brackets gives the scale of its picture",
                 false => "",
-            }
+            },
+            self.counterpart(model.name)
         );
         let alt = format!(
             "{} pictures of the {}: the input and {} steps, from two sides.",
@@ -323,7 +329,7 @@ impl OverLambda<'_> {
             id: format!("{}-view", model.slug()),
             mesh: model.name.into(),
             caption: format!(
-                "{} The {} before and after {kind} steps{}, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
+                "{} The {} before and after {kind} steps, over λ and their number{left_out}.{} The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
                 seen(model.name, &lambdas[..viewed], &measured[..=viewed]),
                 model.name,
                 self.counterpart(model.name)
@@ -425,7 +431,7 @@ fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     match smoothest {
         Some((lambda, m)) if (NOISY..f64::INFINITY).contains(&noise) && normal(m) < noise => {
             sentences.push(format!(
-                "Among these λ, {} leaves the least normal error, {}° instead of {}°.",
+                "Among these λ, {} leaves the smallest normal error, {}° instead of {}°.",
                 brief(*lambda),
                 brief(normal(m)),
                 brief(noise)
@@ -526,7 +532,7 @@ mod tests {
         let point = Measures { normal: None, creases: [None; 3], growth: 1e-12, ..SHAPE };
         let text = seen("part", &[0.1, 1.0, 2.0], &[SHAPE, smooth, round, exploded]);
         let expected = [
-            "Among these λ, 0.1 leaves the least normal error, 5° instead of 20°.",
+            "Among these λ, 0.1 leaves the smallest normal error, 5° instead of 20°.",
             "From λ = 1 on its creases are lost.",
             "At λ = 2 it explodes.",
         ];

@@ -73,7 +73,7 @@ impl Experiment for UniformCurvature {
             id: "q1",
             title: "Curvature from the uniform Laplacian",
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
-            method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex. Where edges are uneven, the average of the neighbours lies off to one side, along the surface. This tangential part of Δx comes from the triangles and not from bending, but its length counts all the same: even on a plane ‖Δx‖ is not zero.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex. Where edges are uneven, Δx also has a part along the surface. It comes from the triangles and not from bending, but its length counts all the same: even on a plane ‖Δx‖ is not zero.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             section: section(),
             inputs: &[Input::Flower, Input::Plane],
@@ -154,7 +154,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             self.name,
-            &format!("{} The {} as in Figure 1 of the original report: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas, from two viewpoints.", seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)]), self.name),
+            &format!("{} Counterpart of Figure 1 of the original report, in its colours: the {} plain, with mean curvature from the uniform Laplacian, and with Gaussian curvature from the angle defect over barycentric areas, from two viewpoints.", seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)]), self.name),
             &format!("Six pictures of the {}: plain, coloured by mean and by Gaussian curvature, from two sides.", self.name),
         )
     }
@@ -204,7 +204,7 @@ impl<'a> Pictures<'a> {
             id: format!("{}-view", self.name),
             mesh: self.name.into(),
             caption: format!(
-                "{} The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect. The length ‖Δx‖/2 follows the size of the triangles, not the shape.",
+                "{} Counterpart of Figure 1 of the original report: the {} with curvature from the uniform Laplacian and the angle defect. The length ‖Δx‖/2 follows the size of the triangles, not the shape.",
                 seen::signed(self.scaled, self.gaussian),
                 self.name
             ),

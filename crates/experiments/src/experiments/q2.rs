@@ -50,9 +50,10 @@ fn section() -> Section {
     .names(&[("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
     .playground(
         "ellipsoid",
-        "The blue circle hugs the ellipsoid at (a, 0, 0); the red one of the original report lies on the other \
-            side, and has the same size only where tan²θ = c/a − c²/b²: along y if b² = ac. The section along the normal shows both at scale, the plot \
-            all directions. Drag a, b, c and the direction.",
+        "The blue circle fits the ellipsoid at (a, 0, 0); the dashed red one has the size that the original report \
+            gives, and is drawn on the same side. The sizes agree only where tan²θ = c/a − c²/b²: along y, where that \
+            report looks, if b² = ac, as on a sphere. The section along the normal shows both at scale, the plot all \
+            directions, with the sign: the curves never meet. Drag a, b, c and the direction.",
         "An ellipsoid with two circles at the end of its first axis: one fits the surface, one does not.",
     )
 }
@@ -97,7 +98,7 @@ impl Experiment for EllipsoidForms {
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size; its size is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size; its size is right only where b² = ac, here on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
             crate::table::brief(check),
             crate::table::brief(smallest_l),
             crate::table::brief(100.0 * error),
@@ -110,7 +111,7 @@ impl Experiment for EllipsoidForms {
                 verdict,
                 reason,
             )
-            .finding(format!("Along y the normal curvature is a/b² in size; 1/c, the size in the original report, is right on {right} of {} ellipsoids, the sphere.", ours.len()))
+            .finding(format!("Along y the normal curvature is a/b² in size; 1/c, the size in the original report, is right only where b² = ac, here on {right} of {} ellipsoids, the sphere.", ours.len()))
             .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)

@@ -269,6 +269,11 @@ fn on_planes(planes: &Table) -> Result<[f64; 3]> {
     ])
 }
 
+/// The figure of the original report that shows this mesh.
+fn counterpart(name: &str) -> &'static str {
+    if name == "plane" { "Figure 3" } else { "Figure 2" }
+}
+
 /// The cotangent estimate in the assignment's colours beside the original, and
 /// both estimates with sign in diverging colours.
 fn pictures(
@@ -278,6 +283,7 @@ fn pictures(
     cotangent: &MeanCurvature,
 ) -> Result<[Picture; 2]> {
     let norms = sizes(cotangent);
+    let counterpart = counterpart(name);
     let flat = match is_flat(mesh, uniform, cotangent) {
         true => " What looks like an artefact of cotangents is the border.",
         false => "",
@@ -302,7 +308,7 @@ fn pictures(
     ])
     .draw(
         name,
-        &format!("{to_see} The {name} in the colours of Figures 2 and 3 of the original report: the mesh, and mean curvature from the cotangent Laplacian, from two viewpoints."),
+        &format!("{to_see} Counterpart of {counterpart} of the original report, in its colours: the {name} plain and with mean curvature from the cotangent Laplacian, from two viewpoints."),
         &format!("Four pictures of the {name}: plain and coloured by mean curvature, from two sides."),
     )?;
     let signed = |title: &'static str, field| Look {
@@ -365,7 +371,8 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
         id: format!("{name}-view"),
         mesh: name.into(),
         caption: format!(
-            "{to_see} Mean curvature of the {name} of Figures 2 and 3 of the original report."
+            "{to_see} Counterpart of {} of the original report: mean curvature of the {name} from either operator.",
+            counterpart(name)
         ),
         alt: format!("The {name} twice, to turn, coloured by either mean curvature."),
         fallback: format!("{name}-signed"),

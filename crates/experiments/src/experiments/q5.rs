@@ -145,7 +145,7 @@ impl Experiment for ExplicitFlow {
                 reason,
             )
             .finding(format!(
-                "{} With other noise and other faces it lies between {} and {}. λ = {STRONG} is stable; λ = {DIVERGENT} is unstable on {}.",
+                "{} On other meshes with other noise the best lies between {} and {}. λ = {STRONG} is stable; λ = {DIVERGENT} is unstable on {}.",
                 no_best(is_best, &swept),
                 brief(lowest),
                 brief(highest),
@@ -167,11 +167,9 @@ impl Experiment for ExplicitFlow {
 /// The best λ of both meshes, in words.
 fn no_best(is_claimed: bool, swept: &Favourites) -> String {
     match is_claimed {
-        true => format!(
-            "Of the four steps λ = {CLAIMED} is the best on both meshes, but there is no best λ as such."
-        ),
+        true => format!("Of the four steps λ = {CLAIMED} is the best on both meshes."),
         false => format!(
-            "There is no best λ: on the patch and the machine part it is {} and {}.",
+            "No single λ is best: it is {} on the patch and {} on the machine part.",
             brief(swept.surface[0].lambda),
             brief(swept.surface[1].lambda)
         ),
@@ -203,7 +201,7 @@ fn at_the_largest(growth: f64, eigenvalue: f64) -> String {
 const ALIKE: f64 = 1.5;
 
 /// Words for best steps that differ.
-const SEVERAL: &str = "There is no best λ as such.";
+const SEVERAL: &str = "No single λ is best.";
 
 /// A remark if the λ that the report calls best is about the best by normals.
 fn right_about_normals(best: Best) -> String {

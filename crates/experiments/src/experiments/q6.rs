@@ -454,7 +454,7 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         false => "differ",
     };
     let caption = format!(
-        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but {} times less diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number (Figure 11 of the original report).",
+        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but {} times less diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number. Counterpart of Figure 11 of the original report.",
         brief(apart),
         brief(CLAIMED / REPORT),
         model.name

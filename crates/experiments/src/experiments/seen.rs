@@ -50,11 +50,11 @@ pub(super) fn signed(mean: &ScalarCurvature, gaussian: &ScalarCurvature) -> Stri
         let all = values(gaussian, true);
         let corners = all.len() - zeros(&all);
         return match (is_all_flat(mean), corners) {
-            (true, 0) => "All is grey: both curvatures are zero everywhere.".into(),
+            (true, 0) => "Everything is grey: both curvatures are zero everywhere.".into(),
             (true, n) => format!(
-                "All is grey but {n} vertices of the border: the angle defect has a value only where the border turns."
+                "Everything is grey except {n} vertices of the border: there the border turns, and the angle defect is its turning."
             ),
-            (false, _) => "Grey inside: whatever colour there is lies on the border.".into(),
+            (false, _) => "The inside is grey; only the border has colour.".into(),
         };
     }
     let share = |field: &ScalarCurvature| {
@@ -109,7 +109,7 @@ pub(super) fn equalised(fields: &[(&str, &ScalarCurvature)]) -> String {
 /// Two estimates of one signed field.
 pub(super) fn agreement(a: &ScalarCurvature, b: &ScalarCurvature) -> String {
     if is_all_flat(a) && is_all_flat(b) {
-        return "All is grey: along the normal both are zero, on the border as well.".into();
+        return "Everything is grey: along the normal both are zero, on the border as well.".into();
     }
     let both = (0..a.values.len()).filter(|&v| {
         a.status[v].is_defined() && b.status[v].is_defined() && !a.boundary[v] && !b.boundary[v]
@@ -133,10 +133,10 @@ pub(super) fn errors(fields: &[(&str, &[f64])]) -> String {
         let share = percent(most, values.len());
         match 10 * most > 9 * values.len() {
             true => {
-                format!("That of {name} has one sign at {share} of the vertices; it is smooth.")
+                format!("The error of {name} has the same sign at {share} of the vertices: it is smooth.")
             }
             false => format!(
-                "That of {name} has one sign at {share} of the vertices, the other at the rest; it is noise."
+                "The error of {name} has either sign, the commoner one at {share} of the vertices: it is noise."
             ),
         }
     });
@@ -150,8 +150,8 @@ pub(super) fn over_levels(rows: &[(String, Vec<f64>)], methods: &[&str]) -> Stri
     };
     let rising = rows.windows(2).all(|w| w[0].1.iter().zip(&w[1].1).all(|(a, b)| a < b));
     let begin = match rising {
-        true => "From row to row every method leaves a larger normal error",
-        false => "From row to row most methods, but not all, leave a larger normal error",
+        true => "From row to row the normal error grows with every method",
+        false => "From row to row the normal error grows with most methods, but not all",
     };
     let ends = methods.iter().zip(low.iter().zip(high));
     let ends: Vec<String> =
@@ -165,7 +165,7 @@ pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> String {
     let most = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     match (least, most) {
         (Some((a, x)), Some((b, y))) => format!(
-            "{a} leaves the least normal error, {}°, {b} the largest, {}°.",
+            "The result of {a} has the smallest normal error, {}°, that of {b} the largest, {}°.",
             brief(*x),
             brief(*y)
         ),
@@ -205,7 +205,7 @@ mod tests {
     fn a_plane_is_grey_but_for_its_corners() {
         let mean = field(&[0.0, 1e-9, 0.0, 0.0], 2);
         let text = signed(&mean, &field(&[0.0, 0.0, 700.0, 700.0], 2));
-        assert!(text.starts_with("All is grey but 2 vertices of the border"), "{text}");
+        assert!(text.starts_with("Everything is grey except 2 vertices of the border"), "{text}");
         assert!(signed(&mean, &field(&[0.0; 4], 2)).contains("zero everywhere"));
         let text = signed(&field(&[1.0, -1.0, 2.0, 0.5], 0), &field(&[1.0, -1.0, -2.0, 0.5], 0));
         assert!(text.contains("75 % of the inner vertices, K at 50 %"), "{text}");
@@ -224,16 +224,20 @@ mod tests {
         let (a, b) = (field(&[1.0, 2.0, -1.0], 0), field(&[1.0, 2.0, 1.0], 0));
         assert!(agreement(&a, &b).contains("67 % of the inner vertices"));
         let flat = field(&[0.0; 3], 1);
-        assert!(agreement(&flat, &flat).starts_with("All is grey"));
+        assert!(agreement(&flat, &flat).starts_with("Everything is grey"));
     }
 
     #[test]
     fn errors_are_smooth_or_noise() {
         let text = errors(&[("a", &[1.0, -1.0, 2.0, -2.0]), ("b", &[1.0; 20])]);
         assert!(text.contains(
-            "That of a has one sign at 50 % of the vertices, the other at the rest; it is noise."
+            "The error of a has either sign, the commoner one at 50 % of the vertices: it is noise."
         ));
-        assert!(text.contains("That of b has one sign at 100 % of the vertices; it is smooth."));
+        assert!(
+            text.contains(
+                "The error of b has the same sign at 100 % of the vertices: it is smooth."
+            )
+        );
     }
 
     #[test]
@@ -242,7 +246,10 @@ mod tests {
         let rising = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 30.0])];
         let text = over_levels(&rising, &["x", "y"]);
         assert!(text.ends_with("(at σ = 0.1 and 0.5: x 2° and 20°; y 3° and 30°)."), "{text}");
-        assert!(text.starts_with("From row to row every method"), "{text}");
+        assert!(
+            text.starts_with("From row to row the normal error grows with every method"),
+            "{text}"
+        );
         let mixed = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 1.0])];
         assert!(over_levels(&mixed, &["x", "y"]).contains("but not all"));
     }
@@ -250,7 +257,8 @@ mod tests {
     #[test]
     fn the_best_and_the_worst_have_their_errors() {
         let text = best_and_worst(&[("x", 2.5), ("y", 1.5), ("z", 9.0)]);
-        let expected = "y leaves the least normal error, 1.5°, z the largest, 9°.";
+        let expected =
+            "The result of y has the smallest normal error, 1.5°, that of z the largest, 9°.";
         assert_eq!(text, expected);
     }
 

@@ -44,9 +44,20 @@ pub(super) fn picture(
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
-        &format!("{to_see} The {name} from k modes, and the original, from two viewpoints (Figure 4 of the original report)."),
+        &format!(
+            "{to_see} The {name} from k modes, and whole, from two viewpoints.{}",
+            counterpart(name)
+        ),
         &format!("Pictures of the {name}: the more modes, the closer it comes to the original."),
     )
+}
+
+/// The figure of the original report that shows the same, as a sentence; it has no bumpy ball.
+fn counterpart(name: &str) -> &'static str {
+    match name == super::BALL {
+        true => "",
+        false => " Counterpart of Figure 4 of the original report.",
+    }
 }
 
 /// The modes drawn, by number.
@@ -124,7 +135,8 @@ pub(super) fn view(
         id: format!("{id}-view"),
         mesh: name.into(),
         caption: format!(
-            "{to_see} The {name} from k modes (Figure 4 of the original report), beside the whole mesh."
+            "{to_see} The {name} from k modes, beside the whole mesh.{}",
+            counterpart(name)
         ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: String::new(),
@@ -168,7 +180,7 @@ pub(super) fn decay(curves: Vec<Series>) -> Result<Picture> {
         format!("The smoother the shape, the fewer modes it needs: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
     });
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
-    figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 280.0)?));
+    figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 240.0)?));
     let picture = plotted(
         &figure,
         "decay",
