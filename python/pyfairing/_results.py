@@ -151,8 +151,8 @@ class NoiseLevel(NamedTuple):
         two-rings or the noise is correlated.
     correlation_length : float
         The distance in mean edge lengths over which the noise is correlated, like that of a depth
-        camera or a laser scanner: 0 for none, 4 or 8. Smooth noise without a rough part looks
-        like shape and is not found.
+        camera: 0 for none, 4 or 8. Smooth noise without a rough part looks like shape and is not
+        found.
     wide_sigma : float
         The noise level at the scale of `correlation_length`, in mesh units; `sigma` without
         correlation.
