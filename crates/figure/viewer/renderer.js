@@ -212,9 +212,11 @@ void main() {
     const source = values ?? mesh.zeros;
     const value = resident(mesh, 'value', source, () => {
       const pairs = new Float32Array(2 * source.length);
-      source.forEach((x, v) => {
-        if (Number.isFinite(x)) pairs.set([x, 1], 2 * v);
-      });
+      for (let v = 0; v < source.length; v++) {
+        if (!Number.isFinite(source[v])) continue;
+        pairs[2 * v] = source[v];
+        pairs[2 * v + 1] = 1;
+      }
       return texture(pairs, 2);
     });
     bind(0, 'tIndex', index);
@@ -257,14 +259,19 @@ void main() {
     const known = new Map();
     const stand = new Uint32Array(mesh.vertices);
     for (let v = 0; v < mesh.vertices; v++) {
-      const [i, j, k] = [0, 1, 2].map((c) => Math.floor((points[4 * v + c] + 2) * cells));
+      const i = Math.floor((points[4 * v] + 2) * cells);
+      const j = Math.floor((points[4 * v + 1] + 2) * cells);
+      const k = Math.floor((points[4 * v + 2] + 2) * cells);
       const cell = (i * 4096 + j) * 4096 + k;
-      if (!known.has(cell)) known.set(cell, v);
-      stand[v] = known.get(cell);
+      const first = known.get(cell);
+      if (first === undefined) known.set(cell, v);
+      stand[v] = first ?? v;
     }
     const kept = [];
     for (let f = 0; f < mesh.faces.length; f += 3) {
-      const [a, b, c] = [stand[mesh.faces[f]], stand[mesh.faces[f + 1]], stand[mesh.faces[f + 2]]];
+      const a = stand[mesh.faces[f]];
+      const b = stand[mesh.faces[f + 1]];
+      const c = stand[mesh.faces[f + 2]];
       if (a !== b && b !== c && c !== a) kept.push(a, b, c);
     }
     return Uint32Array.from(kept);

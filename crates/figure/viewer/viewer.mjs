@@ -1,10 +1,20 @@
-/** The least and greatest of most values: the 2nd and 98th percentile, about zero where there are both signs. */
+/** The most values from which a range is estimated. */
+const SAMPLED = 200_000;
+
+/**
+ * The least and greatest of most values: the 2nd and 98th percentile, about zero where there are both signs. Of many
+ * values every second or third one counts.
+ */
 export function rangeOf(lists) {
-  const all = [];
-  for (const values of lists) for (const x of values) if (Number.isFinite(x)) all.push(x);
-  if (!all.length) return [0, 1];
-  const sorted = Float64Array.from(all).sort();
-  const at = (part) => sorted[Math.round(part * (sorted.length - 1))];
+  const step = Math.ceil(lists.reduce((sum, {length}) => sum + length, 0) / SAMPLED);
+  const sorted = new Float64Array(lists.reduce((sum, {length}) => sum + Math.ceil(length / step), 0));
+  let count = 0;
+  for (const values of lists) {
+    for (let i = 0; i < values.length; i += step) if (Number.isFinite(values[i])) sorted[count++] = values[i];
+  }
+  if (!count) return [0, 1];
+  sorted.subarray(0, count).sort();
+  const at = (part) => sorted[Math.round(part * (count - 1))];
   let [low, high] = [at(0.02), at(0.98)];
   if (low < 0 && high > 0) {
     high = Math.max(-low, high);
@@ -19,8 +29,10 @@ export function rangeOf(lists) {
  * positions, faces and normals, and a map of values by the names of fields.
  */
 export class Viewer extends Drawn {
-  constructor(place, maps, picked) {
+  /** `labelled` gives the name and the unit of a field in words. */
+  constructor(place, maps, picked, labelled = (field) => [field, '']) {
     super();
+    this.labelled = labelled;
     this.maps = maps;
     this.picked = picked;
     this.camera = new Camera(25, 15);
@@ -76,7 +88,8 @@ export class Viewer extends Drawn {
 
   change(what) {
     Object.assign(this.state, what);
-    this.settle();
+    if ('field' in what) this.settle();
+    else this.redraw();
   }
 
   /** The scene of a panel, for the renderer. Positions are scaled to the ball of the first mesh. */
@@ -128,7 +141,8 @@ export class Viewer extends Drawn {
     for (const {mesh, bar, panel} of this.shown) {
       const values = mesh.fields.get(field);
       const across = panel.clientWidth || undefined;
-      const made = values ? [colorBar({values, range: this.range, lookup, name: field, unit: '', across})] : [];
+      const [name, unit] = this.labelled(field);
+      const made = values ? [colorBar({values, range: this.range, lookup, name, unit, across})] : [];
       bar.replaceChildren(...made);
     }
     this.redraw();
@@ -160,16 +174,21 @@ function drawn({positions, faces}) {
 /** The ball about the middle of the box that holds all positions. */
 function ballOf(positions) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  positions.forEach((x, i) => {
-    low[i % 3] = Math.min(low[i % 3], x);
-    high[i % 3] = Math.max(high[i % 3], x);
-  });
-  const center = low.map((x, k) => 0.5 * (x + high[k]));
-  let radius = 0;
   for (let i = 0; i < positions.length; i += 3) {
-    radius = Math.max(radius, Math.hypot(...center.map((x, k) => positions[i + k] - x)));
+    for (let k = 0; k < 3; k++) {
+      const x = positions[i + k];
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
+    }
   }
-  return {center, radius: radius || 1};
+  const center = low.map((x, k) => 0.5 * (x + high[k]));
+  const [x, y, z] = center;
+  let square = 0;
+  for (let i = 0; i < positions.length; i += 3) {
+    const [dx, dy, dz] = [positions[i] - x, positions[i + 1] - y, positions[i + 2] - z];
+    square = Math.max(square, dx * dx + dy * dy + dz * dz);
+  }
+  return {center, radius: Math.sqrt(square) || 1};
 }
 
 /** A colour map with the 1024 entries that a colour bar has. */

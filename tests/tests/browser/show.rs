@@ -1,9 +1,11 @@
 //! Interactive pages of meshes, as `mesh.show()` makes them in Python.
 
 use std::path::Path;
+use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_figure::{Exhibit, Field, Up, page};
+use fairing_shapes as shapes;
 
 use crate::chrome::Chrome;
 use crate::{Test, scene};
@@ -13,6 +15,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("meshes_are_drawn_without_complaint_or_request", draws),
         ("one_camera_turns_all_meshes", turns),
         ("frames_in_one_document_do_not_meet", frames),
+        ("half_a_million_faces_open_and_turn_quickly", large),
     ]
 }
 
@@ -92,6 +95,30 @@ fn turns(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let words = chrome.run("document.querySelector('[data-part=words]').textContent")?;
     let words = words.as_str().unwrap_or_default();
     ensure!(words.starts_with("noisy: vertex 0 at (") && words.contains("\ntruth: "), "{words}");
+    Ok(())
+}
+
+/// Limits are several times the seconds taken where a processor draws in place of a graphics card.
+fn large(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    let ring = shapes::torus(1.0, 0.4, 1000, 250);
+    let heights: Vec<f64> = ring.positions().iter().map(|p| p[1]).collect();
+    let fields = vec![("height".to_owned(), Field::new(&heights))];
+    let exhibits = [Exhibit { title: "ring".into(), mesh: &ring, fields }];
+    let html = fairing_figure::page(&exhibits, Some("height"), Up::Y)?;
+    ensure!((14e6..16e6).contains(&(html.len() as f64)), "{} bytes", html.len());
+    let start = Instant::now();
+    open(chrome, page, &html)?;
+    let seen = pictures(chrome)?;
+    let opened = start.elapsed().as_secs_f64();
+    ensure!(seen.len() == 1 && seen[0][1] > 0.5, "{seen:?}");
+    let start = Instant::now();
+    chrome.run(
+        "document.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft'}))",
+    )?;
+    let turned = pictures(chrome)?;
+    let turning = start.elapsed().as_secs_f64();
+    ensure!(turned[0][2] != seen[0][2], "{turned:?}");
+    ensure!(opened < 20.0 && turning < 10.0, "{opened:.1} s to open, {turning:.1} s to turn");
     Ok(())
 }
 
