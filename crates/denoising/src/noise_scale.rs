@@ -14,10 +14,10 @@ use super::faces::Marks;
 pub(crate) const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The vertices of a stencil: more are beyond a hub, and the stencil is left out.
-const MAX_STENCIL: usize = 4096;
+const MAX_RING: usize = 4096;
 
 /// The least number of stencils for a level.
-const MIN_STENCILS: usize = 32;
+const MIN_COUNT: usize = 32;
 
 /// The least growth of the level of correlated noise, from neighbours to stencils of one edge and
 /// of two. Independent noise stays below both.
@@ -111,7 +111,7 @@ fn level_at(mesh: &TriMesh, scale: u32, inside: impl Fn(u32) -> bool + Sync) -> 
                         }
                     }
                 }
-                if queue.len() > MAX_STENCIL {
+                if queue.len() > MAX_RING {
                     return None;
                 }
             }
@@ -141,11 +141,7 @@ fn level_at(mesh: &TriMesh, scale: u32, inside: impl Fn(u32) -> bool + Sync) -> 
         .flatten()
         .collect();
     residuals.sort_unstable_by(f64::total_cmp);
-    if residuals.len() < MIN_STENCILS {
-        None
-    } else {
-        median(&residuals).map(|m| m / GAUSSIAN_MEDIAN)
-    }
+    if residuals.len() < MIN_COUNT { None } else { median(&residuals).map(|m| m / GAUSSIAN_MEDIAN) }
 }
 
 /// The vertices around one, in order of distance, and their offsets; reused for the next.
