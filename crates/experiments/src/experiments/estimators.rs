@@ -100,24 +100,7 @@ impl Experiment for Estimators {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let orders = tables.get("orders")?;
-        let mut worst = vec![];
-        for estimator in Estimator::all() {
-            let mut least = f64::INFINITY;
-            for surface in ["sphere", "torus", "ellipsoid"] {
-                let rows = orders.only(&[
-                    ("surface", surface.into()),
-                    ("sampling", Layout::Jittered.name().into()),
-                    ("estimator", estimator.name().into()),
-                ])?;
-                for column in ["max H", "max K"] {
-                    let c = rows.index(column)?;
-                    // No order where the error is rounding alone.
-                    let orders = rows.rows.iter().filter_map(|row| row[c].number());
-                    least = orders.fold(least, f64::min);
-                }
-            }
-            worst.push((estimator.name(), least));
-        }
+        let mut worst = least_orders(orders)?;
         let reaching: Vec<&str> =
             worst.iter().filter(|(_, order)| *order >= BAR).map(|(name, _)| *name).collect();
         let (best, order) = worst
@@ -166,6 +149,29 @@ impl Experiment for Estimators {
         }
         Ok(vec![judgement])
     }
+}
+
+/// Each estimator with its least order over the jittered surfaces, in H and K.
+fn least_orders(orders: &Table) -> Result<Vec<(&'static str, f64)>> {
+    let mut worst = vec![];
+    for estimator in Estimator::all() {
+        let mut least = f64::INFINITY;
+        for surface in ["sphere", "torus", "ellipsoid"] {
+            let rows = orders.only(&[
+                ("surface", surface.into()),
+                ("sampling", Layout::Jittered.name().into()),
+                ("estimator", estimator.name().into()),
+            ])?;
+            for column in ["max H", "max K"] {
+                let c = rows.index(column)?;
+                // No order where the error is rounding alone.
+                let orders = rows.rows.iter().filter_map(|row| row[c].number());
+                least = orders.fold(least, f64::min);
+            }
+        }
+        worst.push((estimator.name(), least));
+    }
+    Ok(worst)
 }
 
 /// An estimator in words, where its name is short for them.
