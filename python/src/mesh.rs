@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fairing_mesh::io::{
-    self, Encoding, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, UnsupportedFields,
-    VertexFields, WriteOptions,
+    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadOptions, ReadReport,
+    UnsupportedFields, VertexFields, WriteOptions,
 };
 use fairing_mesh::{
     BuildError, Diagnosis, PolygonMesh, TriMesh, Welded, subdivide_loop, subdivide_midpoint,
@@ -248,22 +248,29 @@ fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
     Ok(options)
 }
 
-fn fields((of_vertices, of_faces, texture): Fields<'_>) -> Result<VertexFields> {
+fn fields((of_vertices, of_faces, of_corners): Fields<'_>) -> Result<VertexFields> {
     let numbers = |named: &Named<'_>| named.0.iter().map(|(n, v)| (n.clone(), values(v))).collect();
     let vectors = |named: &Named<'_>| {
         named.1.iter().map(|(n, v)| Ok((n.clone(), triples(v)?))).collect::<Result<_>>()
     };
     let colors = |named: &Named<'_>| named.2.as_ref().map(triples).transpose();
-    let mut fields = VertexFields::default();
-    fields.scalars = numbers(&of_vertices);
-    fields.vectors = vectors(&of_vertices)?;
-    fields.colors = colors(&of_vertices)?;
-    fields.faces.scalars = numbers(&of_faces);
-    fields.faces.vectors = vectors(&of_faces)?;
-    fields.faces.colors = colors(&of_faces)?;
-    fields.faces.texture =
-        texture.map(|t| t.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect());
-    Ok(fields)
+    let texture = |t: &PyReadonlyArray2<'_, f64>| {
+        t.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect()
+    };
+    let faces = FaceFields {
+        scalars: numbers(&of_faces),
+        vectors: vectors(&of_faces)?,
+        colors: colors(&of_faces)?,
+        texture: of_corners.as_ref().map(texture),
+        ..FaceFields::default()
+    };
+    Ok(VertexFields {
+        scalars: numbers(&of_vertices),
+        vectors: vectors(&of_vertices)?,
+        colors: colors(&of_vertices)?,
+        faces,
+        ..VertexFields::default()
+    })
 }
 
 fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> {
