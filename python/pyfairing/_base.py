@@ -44,7 +44,7 @@ class Base:
         if turned:
             warn(
                 f"{turned} of {self._core.face_count} faces turn against the rest of their part "
-                "and count as turned over"
+                "and count as flipped"
             )
         if one_sided:
             warn(
@@ -56,6 +56,6 @@ class Base:
         with running(None, None) as call:
             if self._core.is_unwelded(call):
                 raise _core.ComputationError(
-                    "most vertices lie exactly where another one does: the faces do not share their "
+                    "most vertices coincide with another vertex: the faces do not share their "
                     "corners, so that none has neighbours; use the mesh that Mesh.weld returns"
                 )

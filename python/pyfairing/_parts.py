@@ -89,7 +89,7 @@ class Parts(Base):
     ) -> Self:
         """Mends a mesh; by default without moving anything.
 
-        Merges vertices, drops faces and vertices that are of no use, turns faces that disagree,
+        Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
         separates sheets that touch, and on request removes small components and thin faces and
         fills holes. The order of what stays is kept. A second repair changes nothing.
 
@@ -101,9 +101,11 @@ class Parts(Base):
             The distance up to which vertices are merged, in mean edge lengths, from 0 (exactly
             equal positions) to 1. A vertex moves to the first vertex within the distance.
         duplicates : bool
-            Drop faces with the corners of an earlier face, in any order.
+            Drop faces with the corners of an earlier face, in any order. Both go if they are a fin
+            of a closed surface, which one of them would open; both stay if they are a wall between
+            two closed parts.
         orient : bool
-            Turn faces so that neighbours agree, and closed components so that their normals point
+            Flip faces so that neighbours agree, and closed components so that their normals point
             outwards, or inwards where they are cavities of another one.
         split : bool
             Give a vertex of its own to each sheet of faces at a non-manifold edge or vertex.

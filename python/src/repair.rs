@@ -1,8 +1,8 @@
 //! Repair, and closest points.
 
 use fairing_evaluation::{SurfaceTree, inside};
-use fairing_mesh::{RepairOptions, Repaired, repair};
-use fairing_smoothing::{FairRegion, fair_region};
+use fairing_mesh::{RepairOptions, Repaired};
+use fairing_smoothing::repair_fair;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -62,15 +62,11 @@ fn repair_mesh<'py>(
     call: Call,
 ) -> PyResult<PyRepaired<'py>> {
     let (mesh, options) = (mesh.share(), steps.into());
-    let (repaired, faired, nearest, corners) = call.run(py, move || {
-        let repaired = repair(&mesh, &options)?;
-        let faired = match repaired.patch_vertices() {
-            patch if patch.is_empty() => Ok(repaired.mesh.clone()),
-            patch => fair_region(&repaired.mesh, &FairRegion::new(patch)).map(|found| found.mesh),
-        };
+    let (repaired, flat, nearest, corners) = call.run(py, move || {
+        let (repaired, flat) = repair_fair(&mesh, &options)?;
         let nearest = repaired.nearest_sources();
         let corners = repaired.nearest_corners(&mesh);
-        Ok((repaired, faired, nearest, corners))
+        Ok((repaired, flat, nearest, corners))
     })?;
     let keeps_normals = !repaired.changes_normals();
     let unchanged = repaired.is_unchanged();
@@ -85,10 +81,9 @@ fn repair_mesh<'py>(
     report.set_item("vertices", numbers(py, &vertices))?;
     report.set_item("vertex_sources", numbers(py, &vertex_sources))?;
     report.set_item("face_sources", numbers(py, &face_sources))?;
-    let flat = faired.as_ref().err().map(ToString::to_string);
-    report.set_item("flat_patches", flat)?;
+    report.set_item("flat_patches", flat.map(|error| error.to_string()))?;
     let sources = (column(py, nearest), column(py, corners));
-    Ok((faired.unwrap_or(mesh).into(), report, sources, keeps_normals))
+    Ok((mesh.into(), report, sources, keeps_normals))
 }
 
 /// Labels of vertices, -1 for isolated ones, and of faces.

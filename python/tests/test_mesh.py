@@ -146,7 +146,7 @@ def test_what_is_broken_is_dropped_on_request(tmp_path) -> None:
         with pytest.raises(pf.MeshError, match="vertex 2 has the coordinate NaN"):
             pf.read(tmp_path / "broken.obj", **options)
     for read in (lambda **o: pf.read(tmp_path / "broken.obj", **o), lambda **o: pf.read_bytes(broken, **o)):
-        with pytest.warns(pf.FairingWarning, match="1 vertices are not finite"):
+        with pytest.warns(pf.FairingWarning, match="1 vertex is not finite"):
             mesh = read(drop_broken=True)
         assert mesh.faces.tolist() == [[0, 1, 3]] and mesh.vertices[2].tolist() == [0, 0, 0]
         assert (mesh.report["broken_vertices"], mesh.report["broken_faces"]) == (1, 2)
@@ -318,7 +318,7 @@ def test_fields_of_faces_follow_their_faces() -> None:
     part, _ = mesh.submesh([1])
     assert part.face_fields["n"].tolist() == [1.0]
     np.testing.assert_array_equal(part.face_fields["texture"], texture[1:2])
-    # One face is turned over, and the third one dropped.
+    # One face is flipped, and the third one dropped.
     whole = mesh.repair()
     assert (whole.faces != faces[:2]).any()
     assert list(whole.face_fields) == ["n", "texture"] and whole.face_fields["n"].tolist() == [0.0, 1.0]

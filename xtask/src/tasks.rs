@@ -31,7 +31,8 @@ pub(crate) const TEST_HELP: &str = "\
 Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
 
 The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these tests are
-skipped by name.
+skipped by name. So are the checks by programs that are not installed: the oldest compiler, mdbook, actionlint, cargo-deny,
+cargo-semver-checks.
 
 Usage: cargo xtask test [--python]
 

@@ -31,7 +31,7 @@ pub enum DenoiseError {
     /// Most vertices lie where another one does: the faces do not share their corners
     /// ([`TriMesh::is_unwelded`](fairing_mesh::TriMesh::is_unwelded)).
     #[error(
-        "{seams} of {vertices} vertices lie exactly where another one does: the faces do not share \
+        "{seams} of {vertices} vertices coincide with another vertex: the faces do not share \
          their corners, so that no face has neighbours; weld the mesh first"
     )]
     Unwelded {

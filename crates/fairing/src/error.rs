@@ -1,5 +1,8 @@
 //! One error for programs that call several crates.
 
+use std::error::Error as _;
+use std::fmt;
+
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
@@ -31,6 +34,9 @@ pub enum ErrorKind {
 
 /// Any error of any crate; `?` converts to it.
 ///
+/// `Debug` writes the message and its causes, as `Display` of a chain: a `main` that returns this
+/// error prints them.
+///
 /// # Examples
 ///
 /// ```
@@ -45,7 +51,7 @@ pub enum ErrorKind {
 /// }
 /// assert_eq!(farthest(&[0.0, 0.0], &[]).unwrap_err().kind(), ErrorKind::Input);
 /// ```
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Positions and faces do not make a mesh.
@@ -91,6 +97,14 @@ pub enum Error {
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")?;
+        let mut causes = std::iter::successors(self.source(), |&cause| cause.source());
+        causes.try_for_each(|cause| write!(f, ": {cause}"))
+    }
 }
 
 impl Error {
@@ -211,13 +225,14 @@ mod tests {
         assert_eq!(kind(Cancelled.into()), ErrorKind::Cancelled);
     }
 
-    /// Message and source are those of the inner error.
+    /// Message and source are those of the inner error. `main` prints `Debug`.
     #[test]
     fn nothing_of_an_error_is_lost() {
-        use std::error::Error as _;
         let read = || io::read("no/such/file.ply").unwrap_err();
         let error = Error::from(read());
         assert_eq!(error.to_string(), read().to_string());
         assert_eq!(error.source().is_some(), read().source().is_some());
+        let printed = format!("{error:?}");
+        assert!(printed.starts_with("no/such/file.ply: ") && !printed.contains('{'), "{printed}");
     }
 }

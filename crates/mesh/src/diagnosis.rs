@@ -5,14 +5,14 @@ use rayon::prelude::*;
 
 use crate::TriMesh;
 
-/// The number of elements of one kind, and the first few.
+/// The number of elements of one kind, and the lowest of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Tally {
     /// The number of elements.
     pub count: usize,
-    /// The lowest element numbers, from 0.
+    /// The lowest element number, from 0; `None` if there are no elements.
     pub first: Option<u32>,
 }
 
@@ -169,7 +169,7 @@ impl Diagnosis {
             hints.push("the volume is negative: normals point inwards".to_owned());
         }
         if self.seam_vertices > 0 {
-            let seam = "boundary vertices lie exactly on another one: a seam that is not welded";
+            let seam = "boundary vertices coincide with another vertex: a seam that is not welded";
             hints.push(format!("{} {seam}", self.seam_vertices));
         }
         let size = self

@@ -29,6 +29,7 @@ pub use flows::explicit::{Explicit, explicit};
 pub use flows::hc::{Hc, hc};
 pub use flows::implicit::{Implicit, implicit};
 pub use flows::low_pass::{LowPass, Transfer, low_pass};
+pub use flows::patches::repair_fair;
 pub use flows::region::{FairRegion, fair_region};
 pub use flows::scale_dependent::{ScaleDependent, scale_dependent};
 pub use flows::taubin::{Taubin, taubin};

@@ -34,7 +34,7 @@ impl Held {
     pub(crate) fn surface(&self) -> Result<Arc<TriMesh>> {
         if self.mesh.is_unwelded() {
             bail!(
-                "{} of {} vertices lie exactly where another one does: the faces do not share \
+                "{} of {} vertices coincide with another vertex: the faces do not share \
                  their corners, so that none has neighbours; repair the mesh first",
                 self.mesh.seam_vertices(),
                 self.mesh.vertex_count()

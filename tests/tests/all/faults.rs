@@ -1,8 +1,12 @@
-//! Faults of the machine: full disks, too little memory.
+//! Faults of the machine: full disks, read-only folders, files that change, too little memory.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::Write as _;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use fairing_mesh::io;
 use fairing_shapes as shapes;
@@ -35,6 +39,69 @@ fn a_full_standard_output_is_an_error() {
         assert!(error.contains("error: standard output: "), "{line}: {error}");
         assert!(error.contains("No space left"), "{line}: {error}");
     }
+}
+
+/// The limit of the size of files stops writing in the middle, as a full disk does.
+#[test]
+fn a_full_disk_leaves_the_old_file() {
+    let folder = folder();
+    fs::write(folder.path().join("old.ply"), "old").unwrap();
+    for line in [
+        "repair sphere.ply -o new.ply",
+        "smooth sphere.ply -o new.obj",
+        "convert sphere.ply new.stl",
+        "convert sphere.ply new.vtp",
+        "noise sphere.ply --sigma 0.1 -o old.ply --force",
+    ] {
+        // In blocks of 512 bytes.
+        let output = in_shell(folder.path(), "trap '' XFSZ; ulimit -f 200", line, "");
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(4), "{line}: {error}");
+        assert!(error.contains("File too large"), "{line}: {error}");
+        assert_eq!(files(folder.path()), ["old.ply", "sphere.ply"], "{line}");
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("old.ply")).unwrap(), "old");
+}
+
+/// A folder that root can write to all the same, so that root skips this.
+#[test]
+fn a_read_only_folder_is_refused_before_the_work() {
+    let folder = folder();
+    let place = folder.path().join("locked");
+    fs::create_dir(&place).unwrap();
+    fs::set_permissions(&place, Permissions::from_mode(0o555)).unwrap();
+    if File::create(place.join("probe")).is_ok() {
+        eprintln!("skipped: this user can write to read-only folders");
+        return;
+    }
+    // The input does not exist: its error would have the code 3.
+    for line in ["repair absent.ply -o locked/a.ply", "render absent.ply -o locked/a.png"] {
+        let error = refuse(folder.path(), line, 4);
+        assert!(error.contains("locked/a.p") && error.contains("ermission"), "{error}");
+    }
+    assert_eq!(files(&place), [""; 0]);
+}
+
+#[test]
+fn a_file_that_changes_while_it_is_read_is_an_error() {
+    let folder = folder();
+    let path = folder.path().join("growing.obj");
+    io::write(&path, &shapes::icosphere(7)).unwrap();
+    let done = AtomicBool::new(false);
+    let error = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut file = OpenOptions::new().append(true).open(&path).unwrap();
+            while !done.load(Ordering::Relaxed) {
+                file.write_all(b"# one more line\n").unwrap();
+                std::thread::sleep(Duration::from_micros(200));
+            }
+        });
+        let error = refuse(folder.path(), "repair growing.obj -o out.ply", 3);
+        done.store(true, Ordering::Relaxed);
+        error
+    });
+    assert!(error.contains("growing.obj") && error.contains("changed"), "{error}");
+    assert_eq!(files(folder.path()), ["growing.obj", "sphere.ply"]);
 }
 
 /// The limit of the address space, which holds as well as that of the machine.

@@ -15,8 +15,10 @@ fn folder_with_torus() -> tempfile::TempDir {
 }
 
 /// The verbs that write, each with a valid output.
-const WRITERS: [(&str, &str); 9] = [
+const WRITERS: [(&str, &str); 11] = [
     ("convert torus.ply", "a.obj"),
+    ("repair torus.ply -o", "a.off"),
+    ("geodesic torus.ply --from 0 -o", "a.ply"),
     ("curvature torus.ply -o", "a.ply"),
     ("spectrum torus.ply -k 3 -o", "a.npz"),
     ("reconstruct torus.ply -k 3 -o", "a.obj"),
@@ -101,7 +103,7 @@ fn broken_meshes_are_read_by_every_verb_on_request() {
             let done = fairing(place, &format!("{line} --drop-broken"));
             let said = String::from_utf8(done.stderr).unwrap();
             assert!(done.status.success(), "{line}: {said}");
-            assert!(said.contains("1 vertices are not finite"), "{line}: {said}");
+            assert!(said.contains("1 vertex is not finite"), "{line}: {said}");
             assert_eq!(said.contains("2 faces are left out"), file == "used", "{said}");
         }
         let line = format!("info {file}.obj --json");

@@ -44,16 +44,20 @@ fn interrupt(program: Child) {
 #[test]
 fn long_work_is_interrupted() {
     let folder = folder();
+    let tube = shapes::cylinder(1.0, 0.01, 2000, 2, shapes::Ends::Open);
+    io::write(folder.path().join("tube.ply"), &tube).unwrap();
     for line in [
         "denoise sphere.ply -o out.ply",
         "spectrum sphere.ply -k 1000 -o modes.npz",
         "smooth sphere.ply -o out.ply --method explicit --lambda 0.1 --iterations 100000",
         "curvature sphere.ply -o out.ply --estimator normal-cycle --radius 30",
+        // The time of a hole grows with the cube of its edges.
+        "repair tube.ply -o out.ply --holes 2000",
     ] {
         let program = start(folder.path(), line);
         sleep(Duration::from_millis(500));
         interrupt(program);
-        assert_eq!(files(folder.path()), ["sphere.ply"], "{line}");
+        assert_eq!(files(folder.path()), ["sphere.ply", "tube.ply"], "{line}");
     }
 }
 

@@ -14,6 +14,7 @@ mod extremes;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+mod folder;
 mod guide;
 #[cfg(target_os = "linux")]
 mod interrupts;

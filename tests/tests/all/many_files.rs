@@ -130,13 +130,15 @@ fn info_names_the_repair_that_mends() {
     let command = info["repair"].as_str().unwrap().strip_prefix("fairing ").unwrap();
     let dry = run(folder.path(), "repair scan.ply --dry-run");
     assert!(
-        dry.contains("faces turned over") && !files(folder.path()).contains(&"repaired.ply".into())
+        dry.contains("faces flipped") && !files(folder.path()).contains(&"repaired.ply".into())
     );
+    // The holes are those of the sphere, not of the soup.
+    assert!(command.ends_with(" --holes 6"), "{command}");
     run(folder.path(), command);
-    // What was a soup has its holes to fill.
     let info: Value =
         serde_json::from_str(&run(folder.path(), "info repaired.ply --json")).unwrap();
-    assert_eq!((&info["turned_faces"], &info["boundary_loops"]), (&0.into(), &2.into()));
+    assert_eq!((&info["turned_faces"], &info["boundary_loops"]), (&0.into(), &0.into()));
+    assert_eq!(info["repair"], Value::Null);
     run(folder.path(), "repair repaired.ply -o closed.ply --holes 20");
     let closed = io::read(folder.path().join("closed.ply")).unwrap();
     assert!(closed.mesh.topology().is_closed() && closed.fields.scalar("source").is_some());
@@ -144,4 +146,37 @@ fn info_names_the_repair_that_mends() {
     assert!((volume - 1.0).abs() < 2e-3, "{volume}");
     run(folder.path(), "repair closed.ply -o again.ply --holes 20");
     assert_eq!(io::read(folder.path().join("again.ply")).unwrap().mesh, closed.mesh);
+}
+
+/// One row for each file, with the same columns; the elements and the map are in the summary.
+#[test]
+fn repairs_are_counted_in_a_table() {
+    let folder = folder();
+    let sphere = shapes::icosphere(2);
+    let doubled = [sphere.faces(), &[sphere.faces()[3]]].concat();
+    let doubled = TriMesh::new(sphere.positions().to_vec(), doubled).unwrap();
+    io::write(folder.path().join("doubled.off"), &doubled).unwrap();
+    let table = run(folder.path(), "repair doubled.off torus.obj --dry-run --table=csv");
+    let rows: Vec<Vec<&str>> = table.lines().map(|row| row.split(',').collect()).collect();
+    assert!(rows.len() == 3 && rows.iter().all(|row| row.len() == rows[0].len()), "{table}");
+    let column = rows[0].iter().position(|name| *name == "duplicate-faces").unwrap();
+    assert_eq!(rows[1][column], "1", "{table}");
+    assert_eq!((rows[2][1], rows[2][column]), ("true", "0"), "{table}");
+    let alone = run(folder.path(), "repair doubled.off --dry-run --json");
+    let alone: Value = serde_json::from_str(&alone).unwrap();
+    assert_eq!(alone["vertex_map"].as_array().unwrap().len(), 162);
+    assert!(alone["changes"]["duplicate-faces"].as_array().unwrap().contains(&320.into()));
+}
+
+#[test]
+fn info_lists_fields_of_faces_and_texture() {
+    let folder = folder();
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nproperty float height\nelement face 1\nproperty list uchar int vertex_indices\n\
+        property int group\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2 7\n";
+    std::fs::write(folder.path().join("a.ply"), text).unwrap();
+    let info: Value = serde_json::from_str(&run(folder.path(), "info a.ply --json")).unwrap();
+    assert_eq!((&info["fields"][0], &info["face_fields"][0]), (&"height".into(), &"group".into()));
+    assert_eq!(info["texture_coordinates"], false);
+    assert!(run(folder.path(), "info a.ply").contains("fields of faces: group\n"));
 }

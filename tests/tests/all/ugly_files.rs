@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::command_line::{fairing, refuse, run};
 
 /// The mesh with three faces in ten flipped.
-fn with_turned_faces(mesh: &TriMesh) -> TriMesh {
+pub(crate) fn with_turned_faces(mesh: &TriMesh) -> TriMesh {
     let turned = |(f, &[a, b, c]): (usize, &[u32; 3])| {
         if (f * 7) % 10 < 3 { [b, a, c] } else { [a, b, c] }
     };
@@ -21,7 +21,7 @@ fn with_turned_faces(mesh: &TriMesh) -> TriMesh {
 }
 
 /// The mesh with separate corners for every face.
-fn soup(mesh: &TriMesh) -> TriMesh {
+pub(crate) fn soup(mesh: &TriMesh) -> TriMesh {
     let corners = mesh.faces().as_flattened().iter().map(|&v| mesh.positions()[v as usize]);
     let faces = (0..mesh.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     TriMesh::new(corners.collect(), faces).unwrap()
@@ -114,6 +114,7 @@ fn faces_with_corners_of_their_own_are_welded_on_request() {
         "noise F -o out.ply --sigma 0.1",
         "reconstruct F -o out.ply -k 30",
         "curvature F -o out.ply",
+        "geodesic F -o out.ply --from 5",
         "spectrum F -o out.npz -k 5",
     ] {
         let on = |file: &str| verb.replace('F', file);
@@ -129,19 +130,20 @@ fn faces_with_corners_of_their_own_are_welded_on_request() {
         let expected = on("whole.obj").replace("out.ply", "expected.ply");
         // The vertex of the file that is vertex 5 of the welded mesh.
         let five = own.welded().vertices[5];
-        run(
-            folder.path(),
-            &format!("{} --force", expected.replace("--pin 5", &format!("--pin {five}"))),
-        );
+        let expected = ["--pin", "--from"].iter().fold(expected, |line, option| {
+            line.replace(&format!("{option} 5"), &format!("{option} {five}"))
+        });
+        run(folder.path(), &format!("{expected} --force"));
         let expected = io::read(folder.path().join("expected.ply")).unwrap();
         let vertices = own.welded().vertices;
         for (v, &w) in vertices.iter().enumerate() {
             let (p, q) = (found.mesh.positions()[v], expected.mesh.positions()[w as usize]);
             assert_eq!(p, q, "{verb}");
         }
-        if let Some(mean) = found.fields.scalar("mean") {
-            let welded = expected.fields.scalar("mean").unwrap();
-            assert!(vertices.iter().enumerate().all(|(v, &w)| mean[v] == welded[w as usize]));
+        for name in ["mean", "distance"] {
+            let Some(own) = found.fields.scalar(name) else { continue };
+            let welded = expected.fields.scalar(name).unwrap();
+            assert!(vertices.iter().enumerate().all(|(v, &w)| own[v] == welded[w as usize]));
         }
         std::fs::remove_file(folder.path().join("out.ply")).unwrap();
     }

@@ -7,7 +7,9 @@ mod denoising;
 mod diagnosis;
 mod operators;
 mod reading;
+mod repair;
 mod report;
+mod verbs;
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +25,9 @@ fn main() {
         ("diagnosis", diagnosis::trials()),
         ("operators", operators::trials()),
         ("reading", reading::trials()),
+        ("repair", repair::trials()),
         ("report", report::trials()),
+        ("verbs", verbs::trials()),
     ];
     let trials = areas
         .into_iter()

@@ -1,6 +1,7 @@
 //! The test command: everything that guards a merge.
 
 mod executables;
+mod tools;
 mod wasm;
 
 use std::path::Path;
@@ -14,6 +15,7 @@ use crate::python::Extent;
 use crate::web::is_installed;
 use crate::{python, tidy};
 use executables::Tests;
+use tools::on_path;
 
 /// The reference values of quick runs, from the root.
 const REFERENCE: &str = "docs/reference/quick.json";
@@ -133,6 +135,16 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
         without_python = tested.skipped;
         Ok(tested.passed)
     })?;
+    let mut missing = vec![];
+    for tools::Check { name, command } in tools::checks(root)? {
+        match command {
+            Ok(mut command) => log.step(name, || {
+                println!("== {name}: {command:?}");
+                Ok(command.status().with_context(|| format!("running {command:?}"))?.success())
+            })?,
+            Err(reason) => missing.push((name, reason)),
+        }
+    }
     println!("== times");
     for (name, seconds) in &log.steps {
         println!("{seconds:8.1} s  {name}");
@@ -142,6 +154,9 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
         println!("{seconds:8.1} s  {name}");
     }
     for (what, why) in skipped(root) {
+        println!("skipped: {what} ({why})");
+    }
+    for (what, why) in missing {
         println!("skipped: {what} ({why})");
     }
     for (what, why) in without_python {
@@ -183,10 +198,6 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
             "not installed: rustup target add wasm32-unknown-unknown",
         ));
     }
-    let on_path = |name: &str| {
-        let folders = std::env::var_os("PATH").unwrap_or_default();
-        std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
-    };
     if !on_path("qemu-x86_64") {
         skipped.push(("emulation: every test", "there is no qemu-x86_64 on the path"));
     }

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use clap::Args;
-use fairing::mesh::io::{PolygonFile, ReadReport};
-use fairing::mesh::{Diagnosis, PolygonMesh, RepairOptions, Tally, TriMesh};
+use fairing::mesh::io::{PolygonFile, ReadReport, VertexFields};
+use fairing::mesh::{
+    Diagnosis, PolygonMesh, RepairOptions, RepairStep, Repaired, Tally, TriMesh, repair,
+};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -51,19 +53,26 @@ impl Info {
         memory::require_for_mesh(surface.vertex_count())?;
         let diagnosis = Diagnosis::new(&surface);
         let (hints, command) = (diagnosis.hints(), repair_command(input, &surface, &diagnosis));
-        let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
-        names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
-        names.extend(fields.colors.is_some().then_some("colors"));
+        let [of_vertices, of_faces] = names(&fields);
+        let textured = fields.faces.texture.is_some();
         if self.summary.is_wanted() {
-            let mut json = as_json(&mesh, &diagnosis, &report, &names);
+            let mut json = as_json(&mesh, &diagnosis, &report);
+            json["fields"] = json!(of_vertices);
+            json["face_fields"] = json!(of_faces);
+            json["texture_coordinates"] = json!(textured);
             json["hints"] = json!(hints);
             json["repair"] = json!(command);
             return Ok(json);
         }
         let mut text = format!("{}\n", report);
         text += &as_table(&mesh, &diagnosis).to_string();
-        if !names.is_empty() {
-            text += &format!("fields: {}\n", names.join(", "));
+        for (what, names) in [("fields", of_vertices), ("fields of faces", of_faces)] {
+            if !names.is_empty() {
+                text += &format!("{what}: {}\n", names.join(", "));
+            }
+        }
+        if textured {
+            text += "texture coordinates: yes\n";
         }
         for hint in hints {
             text += &format!("hint: {hint}\n");
@@ -76,7 +85,19 @@ impl Info {
     }
 }
 
-fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {
+/// The names of the fields of vertices and of faces.
+fn names(fields: &VertexFields) -> [Vec<&str>; 2] {
+    let faces = &fields.faces;
+    let colored =
+        [&fields.colors, &faces.colors].map(|colors| colors.is_some().then_some("colors"));
+    let [mut of_vertices, mut of_faces] = [&fields.scalars, &faces.scalars]
+        .map(|scalars| scalars.iter().map(|(name, _)| &name[..]).collect::<Vec<_>>());
+    of_vertices.extend(fields.vectors.iter().map(|(name, _)| &name[..]).chain(colored[0]));
+    of_faces.extend(faces.vectors.iter().map(|(name, _)| &name[..]).chain(colored[1]));
+    [of_vertices, of_faces]
+}
+
+fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport) -> Value {
     json!({
         "format": report.format.to_string(),
         "vertices": d.vertices,
@@ -106,7 +127,6 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&st
         "shortest_edge": d.shortest_edge,
         "mean_edge": d.mean_edge,
         "longest_edge": d.longest_edge,
-        "fields": fields,
         "file": {
             "compressed": report.compressed,
             "faces": report.file_faces,
@@ -144,7 +164,7 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     row("non-manifold edges", tally(d.nonmanifold_edges));
     row("non-manifold vertices", tally(d.nonmanifold_vertices));
     row("inconsistent edges", tally(d.inconsistent_edges));
-    row("turned faces", tally(d.turned_faces));
+    row("flipped faces", tally(d.turned_faces));
     row("seam vertices", d.seam_vertices.to_string());
     if let Some([lo, hi]) = d.bounding_box {
         row("lowest corner", lo.map(number).join(", "));
@@ -158,38 +178,63 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     table
 }
 
-/// The command that mends what was found; `None` if there is nothing to mend.
+/// The command that mends what was found; `None` if repair changes nothing of it.
+///
+/// Each option is tried, and named only if it mends something.
 fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String> {
-    let found = [
-        d.isolated_vertices.count,
-        d.duplicate_faces.count,
-        d.seam_vertices,
-        d.nonmanifold_edges.count,
-        d.nonmanifold_vertices.count,
-        d.inconsistent_edges.count,
-        d.degenerate_faces.count,
-        d.sliver_faces.count,
-    ];
     let inside_out = d.volume.is_some_and(|volume| volume < 0.0);
-    // The longest boundary may be the rim of the surface, the others are holes.
-    let mut loops: Vec<usize> = mesh.topology().boundary_loops().iter().map(Vec::len).collect();
-    loops.sort_unstable();
-    let holes = loops.iter().rev().skip(1).copied().find(|n| *n <= RepairOptions::MAX_HOLE);
-    if d.faces == 0 || (found == [0; 8] && !inside_out && holes.is_none()) {
+    let found = d.seam_vertices + d.sliver_faces.count > 0 || d.boundary_loops > 1 || inside_out;
+    if d.faces == 0 || (d.is_clean() && !found) {
         return None;
+    }
+    let mut options = RepairOptions::DEFAULT;
+    let mut flags = String::new();
+    let mut repaired = repair(mesh, &options).ok()?;
+    let thin_faces = |repaired: &Repaired| {
+        let d = Diagnosis::new(&repaired.mesh);
+        d.degenerate_faces.count + d.sliver_faces.count
+    };
+    if thin_faces(&repaired) > 0 {
+        let thin = RepairOptions { thin: Diagnosis::SLIVER, ..options.clone() };
+        let mended = repair(mesh, &thin).ok()?;
+        if thin_faces(&mended) < thin_faces(&repaired) {
+            flags += &format!(" --thin {}", thin.thin);
+            (options, repaired) = (thin, mended);
+        }
+    }
+    if let Some(holes) = largest_hole(&repaired.mesh) {
+        let filled = repair(mesh, &RepairOptions { holes, ..options }).ok()?;
+        if !filled.changed(RepairStep::FilledHoles).is_empty() {
+            flags += &format!(" --holes {holes}");
+            repaired = filled;
+        }
     }
     let mut name = input.display().to_string();
     if name.contains(|c: char| !c.is_alphanumeric() && !"/._-+".contains(c)) {
         name = format!("'{}'", name.replace('\'', r"'\''"));
     }
-    let mut command = format!("fairing repair {name} -o repaired.ply");
-    if d.degenerate_faces.count + d.sliver_faces.count > 0 {
-        command += &format!(" --thin {}", Diagnosis::SLIVER);
+    (!repaired.is_unchanged()).then(|| format!("fairing repair {name} -o repaired.ply{flags}"))
+}
+
+/// The number of edges of the largest boundary that is a hole and not a rim: the longest boundary
+/// of a component may be its rim, and no rim has fewer edges.
+fn largest_hole(mesh: &TriMesh) -> Option<usize> {
+    let components = mesh.topology().components();
+    let label = |v: u32| components.label(v).map_or(0, |label| label as usize);
+    let mut faces = vec![0; components.count()];
+    mesh.faces().iter().for_each(|face| faces[label(face[0])] += 1);
+    let mut loops = mesh.topology().boundary_loops().to_vec();
+    loops.sort_by_key(|boundary| std::cmp::Reverse(boundary.len()));
+    let (mut rims, mut holes) = (vec![None; components.count()], vec![]);
+    // The rim of a single face is never filled.
+    for boundary in loops.iter().filter(|boundary| faces[label(boundary[0])] > 1) {
+        match &mut rims[label(boundary[0])] {
+            Some(_) => holes.push(boundary.len()),
+            rim => *rim = Some(boundary.len()),
+        }
     }
-    if let Some(edges) = holes {
-        command += &format!(" --holes {edges}");
-    }
-    Some(command)
+    let limit = rims.into_iter().flatten().min()?.min(RepairOptions::MAX_HOLE);
+    holes.into_iter().find(|edges| *edges <= limit)
 }
 
 fn yes(flag: bool) -> String {

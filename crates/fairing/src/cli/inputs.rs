@@ -17,8 +17,7 @@ pub(crate) struct Inputs {
     /// The mesh, or several; - is the standard input
     ///
     /// If one of several fails, the others are done, and the exit code is that of the first
-    /// failure. Thousands of files, or a cluster, are the business of the data sets of the Python
-    /// package.
+    /// failure. For thousands of files, or a cluster, use the data sets of the Python package.
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) paths: Vec<PathBuf>,
     #[command(flatten)]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::io::VertexFields;
-use fairing::mesh::{RepairError, RepairOptions, RepairStep, Repaired, TriMesh, repair};
-use fairing::smoothing::{FairRegion, fair_region};
+use fairing::mesh::{RepairError, RepairOptions, RepairStep, Repaired, TriMesh};
+use fairing::smoothing::repair_fair;
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
@@ -20,14 +20,17 @@ Examples:
   fairing repair scan.ply -o closed.ply --components 100 --thin 0.002 --holes 50
   fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01";
 
-/// Mend a mesh: vertices that are not shared, faces that are doubled or turned over, holes
+/// Mend a mesh: vertices that are not shared, faces that are doubled or flipped, holes
 ///
 /// Without options nothing is moved: vertices at one place are merged, faces with the corners of
 /// an earlier one dropped, neighbours made to agree with closed parts facing outwards, sheets that
 /// touch at an edge or a vertex separated, and vertices without a face dropped. What stays keeps
 /// its order and its properties; the property source is the vertex of the input, from 0, or -1 in
-/// the patch of a hole. A second run changes nothing. The summary of --json lists the elements
-/// that each step changed, by their numbers in the input, from 0.
+/// the patch of a hole. A second run changes nothing.
+///
+/// The summary of --json lists the elements that each step changed, by their numbers in the input,
+/// from 0, and in vertex_map for each vertex of the input its vertex in the output, or null if it
+/// was dropped. The rows of --table have their counts.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Repair {
@@ -66,7 +69,7 @@ enum Skip {
     Merge,
     /// Faces with the same corners stay
     Duplicates,
-    /// No face is turned over
+    /// No face is flipped
     Orient,
     /// Non-manifold edges and vertices stay
     Split,
@@ -92,7 +95,16 @@ impl Repair {
             isolated: does(Skip::Isolated),
             holes: self.holes,
         };
-        let columns = ["unchanged", "vertices", "faces"];
+        let columns = [
+            "unchanged",
+            "vertices",
+            "faces",
+            "merged-vertices",
+            "duplicate-faces",
+            "turned-faces",
+            "split-vertices",
+            "filled-holes",
+        ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
             self.one(context, input, &options)
         })
@@ -107,19 +119,23 @@ impl Repair {
         let output = self.output.of(context, input, Content::Mesh)?;
         let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
-        let repaired = repair(&file.mesh, options).map_err(|error| match error {
+        let (repaired, flat) = repair_fair(&file.mesh, options).map_err(|error| match error {
             RepairError::Option(error) => Failure::usage(error),
             error => error.into(),
         })?;
+        if let Some(error) = flat {
+            context.note(format_args!("the patches of holes stay flat: {error}"));
+        }
         if repaired.mesh.face_count() == 0 && file.mesh.face_count() > 0 {
             return Err(Failure::usage(format_args!(
                 "{}: no face would be left; nothing is written",
                 input.display()
             )));
         }
-        let summary = match self.summary.is_wanted() {
-            true => as_json(&repaired),
-            false => {
+        let summary = match (self.summary.json, self.summary.table) {
+            (true, _) => as_json(&repaired),
+            (_, Some(_)) => as_row(&repaired),
+            _ => {
                 let text = as_table(&file.mesh, &repaired);
                 match self.dry_run {
                     true => context.print(text)?,
@@ -129,18 +145,8 @@ impl Repair {
             }
         };
         let Some(output) = &output else { return Ok(summary) };
-        let mesh = match repaired.patch_vertices() {
-            patch if patch.is_empty() => repaired.mesh.clone(),
-            patch => match fair_region(&repaired.mesh, &FairRegion::new(patch)) {
-                Ok(faired) => faired.mesh,
-                Err(error) => {
-                    context.note(format_args!("the patches of holes stay flat: {error}"));
-                    repaired.mesh.clone()
-                }
-            },
-        };
         let fields = carried(&file.mesh, &repaired, file.fields);
-        files::write_held(context, output, &mesh, &fields)?;
+        files::write_held(context, output, &repaired.mesh, &fields)?;
         Ok(summary)
     }
 }
@@ -161,7 +167,7 @@ const WORDS: [(RepairStep, &str); 10] = [
     (RepairStep::MergedVertices, "vertices merged"),
     (RepairStep::CollapsedFaces, "faces collapsed by merging"),
     (RepairStep::DuplicateFaces, "duplicate faces dropped"),
-    (RepairStep::TurnedFaces, "faces turned over"),
+    (RepairStep::TurnedFaces, "faces flipped"),
     (RepairStep::SplitVertices, "vertices split"),
     (RepairStep::SmallComponents, "faces of small components dropped"),
     (RepairStep::ThinFaces, "thin faces mended"),
@@ -179,7 +185,8 @@ fn as_table(input: &TriMesh, repaired: &Repaired) -> String {
     }
     let mesh = &repaired.mesh;
     if repaired.is_unchanged() {
-        return format!("{table}nothing to mend\n");
+        let nothing = if repaired.changes.is_empty() { "nothing to mend" } else { "no change" };
+        return format!("{table}{nothing}\n");
     }
     table.row(["vertices".into(), format!("{} -> {}", input.vertex_count(), mesh.vertex_count())]);
     table.row(["faces".into(), format!("{} -> {}", input.face_count(), mesh.face_count())]);
@@ -190,10 +197,26 @@ fn as_json(repaired: &Repaired) -> Value {
     let changes = repaired.changes.iter();
     let changes: Map<String, Value> =
         changes.map(|(step, elements)| (step.name().to_owned(), json!(elements))).collect();
-    json!({
-        "unchanged": repaired.is_unchanged(),
-        "vertices": repaired.mesh.vertex_count(),
-        "faces": repaired.mesh.face_count(),
-        "changes": changes,
-    })
+    let mut summary = counts(repaired);
+    summary.insert("changes".to_owned(), changes.into());
+    summary.insert("vertex_map".to_owned(), json!(repaired.vertices));
+    summary.into()
+}
+
+/// The number of elements that each step changed.
+fn as_row(repaired: &Repaired) -> Value {
+    let mut row = counts(repaired);
+    for step in RepairStep::ALL {
+        row.insert(step.name().to_owned(), repaired.changed(step).len().into());
+    }
+    row.into()
+}
+
+fn counts(repaired: &Repaired) -> Map<String, Value> {
+    let entries: [(&str, Value); 3] = [
+        ("unchanged", repaired.is_unchanged().into()),
+        ("vertices", repaired.mesh.vertex_count().into()),
+        ("faces", repaired.mesh.face_count().into()),
+    ];
+    entries.map(|(name, value)| (name.to_owned(), value)).into_iter().collect()
 }

@@ -38,7 +38,7 @@ impl Reading {
         let mesh = surface.mesh();
         if mesh.is_unwelded() {
             return Err(Failure::input(anyhow::anyhow!(
-                "{}: {} of {} vertices lie exactly where another one does: the faces do not share \
+                "{}: {} of {} vertices coincide with another vertex: the faces do not share \
                  their corners, so that none has neighbours; add --weld",
                 path.display(),
                 mesh.seam_vertices(),
@@ -83,7 +83,7 @@ impl Surface {
         let seams = self.mesh().seam_vertices();
         if seams > 0 {
             context.note(format_args!(
-                "{}: {seams} boundary vertices lie exactly where another one does, as at seams of \
+                "{}: {seams} boundary vertices coincide with another vertex, as at seams of \
                  texture coordinates; --weld joins them",
                 path.display()
             ));
@@ -166,7 +166,7 @@ pub(crate) fn say_orientation(context: &Context, path: &Path, mesh: &TriMesh) {
     if let Some(first) = turned.first() {
         context.note(format_args!(
             "{name}: {} of {faces} faces turn against the rest of their part (the first: {first}) \
-             and count as turned over; what is written keeps the winding of the file",
+             and count as flipped; what is written keeps the winding of the file",
             turned.len(),
         ));
     }

@@ -16,8 +16,8 @@
 //!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
-//! - Vertex and face properties of PLY, vertex colours of OBJ and OFF and vertex
-//!   normals of OFF become [`VertexFields`]. All other content (materials, cameras,
+//! - Vertex and face properties of PLY, arrays of points and cells of VTP, vertex
+//!   colours of OBJ and OFF and vertex normals of OFF become [`VertexFields`]. All other content (materials, cameras,
 //!   …) is ignored and named in the report.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,

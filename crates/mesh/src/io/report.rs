@@ -63,27 +63,49 @@ impl ReadReport {
 impl fmt::Display for ReadReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let packed = if self.compressed { ", gzip-compressed" } else { "" };
-        write!(f, "{}{packed}: {} vertices, {} faces", self.format, self.vertices, self.faces())?;
-        if self.polygons > 0 {
-            write!(f, "\n{} faces have more than three corners", self.polygons)?;
+        let (vertices, faces) = (self.vertices, self.faces());
+        let of_vertices = if vertices == 1 { "vertex" } else { "vertices" };
+        let of_faces = if faces == 1 { "face" } else { "faces" };
+        write!(f, "{}{packed}: {vertices} {of_vertices}, {faces} {of_faces}", self.format)?;
+        match self.polygons {
+            0 => {}
+            1 => write!(f, "\n1 face has more than three corners")?,
+            count => write!(f, "\n{count} faces have more than three corners")?,
         }
-        let mut some = |count: usize, first: &[usize], what: &str| {
+        // The elements of a kind, with the words for one and for several.
+        let mut some = |count: usize, first: &[usize], one: &str, several: &str| {
             if count == 0 {
                 return Ok(());
             }
             let named: Vec<String> = first.iter().map(usize::to_string).collect();
             let more = if count > named.len() { ", …" } else { "" };
+            let what = if count == 1 { one } else { several };
             write!(f, "\n{count} {what}: {}{more}", named.join(", "))
         };
-        let reduced = "faces repeat a corner and are reduced to their distinct corners";
-        some(self.reduced, &self.first_reduced, reduced)?;
-        let left_out =
-            "faces repeat a corner and are left out, with fewer than three distinct ones";
-        some(self.left_out, &self.first_left_out, left_out)?;
-        let vertices = "vertices are not finite: moved to the first sound vertex, in no face";
-        some(self.broken_vertices, &self.first_broken_vertices, vertices)?;
-        let faces = "faces are left out because they name a vertex that is missing or not finite";
-        some(self.broken_faces, &self.first_broken_faces, faces)?;
+        some(
+            self.reduced,
+            &self.first_reduced,
+            "face repeats a corner and is reduced to its distinct corners",
+            "faces repeat a corner and are reduced to their distinct corners",
+        )?;
+        some(
+            self.left_out,
+            &self.first_left_out,
+            "face repeats a corner and is left out, with fewer than three distinct ones",
+            "faces repeat a corner and are left out, with fewer than three distinct ones",
+        )?;
+        some(
+            self.broken_vertices,
+            &self.first_broken_vertices,
+            "vertex is not finite: moved to the first sound vertex, in no face",
+            "vertices are not finite: moved to the first sound vertex, in no face",
+        )?;
+        some(
+            self.broken_faces,
+            &self.first_broken_faces,
+            "face is left out because it names a vertex that is missing or not finite",
+            "faces are left out because they name a vertex that is missing or not finite",
+        )?;
         self.notes.iter().try_for_each(|note| write!(f, "\n{note}"))
     }
 }

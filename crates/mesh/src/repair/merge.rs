@@ -7,6 +7,7 @@ use fairing_watch as watch;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::copies::without_copies;
 use super::{RepairOptions, RepairStep, Work, split};
 use crate::TriMesh;
 
@@ -28,7 +29,7 @@ impl Work {
         let mut joined = super::kept(&joined, &keep);
         self.keep_faces(RepairStep::CollapsedFaces, &keep);
         if options.duplicates {
-            keep = first_of_equals(&joined);
+            keep = without_copies(&joined);
             corners = super::kept(&corners, &keep);
             joined = super::kept(&joined, &keep);
             self.keep_faces(RepairStep::DuplicateFaces, &keep);
@@ -186,22 +187,6 @@ pub(super) fn within(positions: &[[f64; 3]], distance: f64) -> Vec<u32> {
                 }
             },
         }
-    }
-    first
-}
-
-/// False for each face with the corners of an earlier one, in any order.
-fn first_of_equals(faces: &[[u32; 3]]) -> Vec<bool> {
-    let key = |(f, &face): (usize, &[u32; 3])| {
-        let mut corners = face;
-        corners.sort_unstable();
-        (corners, f as u32)
-    };
-    let mut keys: Vec<([u32; 3], u32)> = faces.par_iter().enumerate().map(key).collect();
-    keys.par_sort_unstable();
-    let mut first = vec![true; faces.len()];
-    for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        first[pair[1].1 as usize] = false;
     }
     first
 }

@@ -4,6 +4,7 @@
 //! follow until one changes nothing. Then holes are filled, and rounds follow again: the result is
 //! taken if less boundary is left. So a repaired mesh is left as it is by a second call.
 
+mod copies;
 mod holes;
 mod merge;
 mod outward;
@@ -17,8 +18,9 @@ use fairing_watch as watch;
 use crate::TriMesh;
 use crate::build::{BuildError, check_positions};
 
-/// The most rounds; steps that still undo each other after that many end there.
-const MAX_ROUNDS: usize = 8;
+/// The most rounds; steps that still undo each other after that many end there. A tolerance in mean
+/// edges takes the most: the mean edge grows as vertices are merged.
+const MAX_ROUNDS: usize = 64;
 
 /// Steps of [`repair`] and their limits.
 ///
@@ -31,9 +33,11 @@ pub struct RepairOptions {
     /// exactly equal positions. A vertex moves to the first vertex of the file within the
     /// distance.
     pub tolerance: f64,
-    /// Drops faces with the corners of an earlier face, in any order.
+    /// Drops faces with the corners of an earlier face, in any order. Both go if they are a fin of
+    /// a closed surface, which one of them would open; both stay if they are a wall between two
+    /// closed parts.
     pub duplicates: bool,
-    /// Turns faces so that neighbours agree, as [`TriMesh::oriented`] does, and closed components
+    /// Flips faces so that neighbours agree, as [`TriMesh::oriented`] does, and closed components
     /// so that their normals point outwards, or inwards where they are cavities of another one.
     pub orient: bool,
     /// Gives a vertex of its own to each sheet of faces at a non-manifold edge or vertex.
@@ -113,9 +117,9 @@ pub enum RepairStep {
     MergedVertices,
     /// Faces dropped because two of their corners were merged.
     CollapsedFaces,
-    /// Faces dropped because an earlier one has the same corners.
+    /// Faces dropped because another one has the same corners.
     DuplicateFaces,
-    /// Faces turned over.
+    /// Faces flipped.
     TurnedFaces,
     /// Vertices of which a sheet of faces got a copy.
     SplitVertices,
@@ -198,8 +202,7 @@ impl Repaired {
 
     /// The vertices inside the patches of holes, ascending.
     pub fn patch_vertices(&self) -> Vec<u32> {
-        let new = self.vertex_sources.iter().enumerate().filter(|(_, source)| source.is_none());
-        new.map(|(v, _)| v as u32).collect()
+        patch_vertices(&self.vertex_sources)
     }
 
     /// For each vertex its source, or in the patch of a hole that of a vertex nearby, ring by ring:
@@ -241,7 +244,7 @@ impl Repaired {
         corners.collect()
     }
 
-    /// True if normals of the input no longer fit: vertices were merged, faces turned over or
+    /// True if normals of the input no longer fit: vertices were merged, faces flipped or
     /// mended, or holes filled.
     pub fn changes_normals(&self) -> bool {
         use RepairStep::{FilledHoles, MergedVertices, ThinFaces, TurnedFaces};
@@ -252,7 +255,7 @@ impl Repaired {
 
 /// Mends a mesh.
 ///
-/// Merges vertices, drops faces and vertices that are of no use, turns faces that disagree,
+/// Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
 /// separates sheets that touch, and on request removes small components and thin faces and fills
 /// holes. The order of what stays is kept, and nothing is moved, except merged vertices by at most
 /// the tolerance and by collapsed needles. The steps:
@@ -261,11 +264,11 @@ impl Repaired {
 ///   inside \[gueziec2001\]; a face that is left over, such as a fin on a surface, is cut off.
 /// - A component is closed if it has no boundary. Its cavities are the closed components inside
 ///   it, by winding number.
-/// - A needle loses its shortest edge, unless a face would turn over or an end lies on another
+/// - A needle loses its shortest edge, unless a face would flip or an end lies on another
 ///   boundary; a cap exchanges its longest edge.
 /// - A hole gets the triangulation of least area \[barequet1995\] that repeats no edge of the mesh,
 ///   refined to the edge lengths around it \[liepa2003\]. Its inner vertices lie on that
-///   triangulation, flat over a curved surface: `fair_region` of the smoothing crate bends them.
+///   triangulation, flat over a curved surface: `repair_fair` of the smoothing crate bends them.
 ///
 /// Time is linear in the mesh apart from a sort, cubic in the edges of a hole, and for closed
 /// components inside others the product of their number and the faces around them.
@@ -298,11 +301,30 @@ impl Repaired {
 /// Sources: \[gueziec2001\], \[barequet1995\], \[liepa2003\].
 #[doc(alias("fill_holes", "fix_normals", "remove_degenerate_faces", "remove_unreferenced"))]
 pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, RepairError> {
+    repair_with(mesh, options, |_, _| None)
+}
+
+/// Mends a mesh as [`repair`] does, with patches of holes placed by a function.
+///
+/// `place` takes a mesh and the vertices inside patches, and returns the mesh with these moved, or
+/// `None` to leave them. Rounds of the other steps follow, so that a second call changes nothing;
+/// vertices return to the flat patch if a round would open the hole again.
+///
+/// `repair_fair` of the smoothing crate calls this with the smoothest patch.
+///
+/// # Errors
+///
+/// As [`repair`].
+pub fn repair_with(
+    mesh: &TriMesh,
+    options: &RepairOptions,
+    mut place: impl FnMut(&TriMesh, Vec<u32>) -> Option<TriMesh>,
+) -> Result<Repaired, RepairError> {
     options.check()?;
     watch::stage("repairing", 0);
     let mut work = Work::new(mesh);
     work.settle(options);
-    while options.holes > 0 && work.fill(options) {}
+    while options.holes > 0 && work.fill(options, &mut place) {}
     check_positions(work.mesh.positions()).map_err(RepairError::Positions)?;
     Ok(work.finish(mesh))
 }
@@ -313,7 +335,7 @@ struct Work {
     mesh: TriMesh,
     vertex_sources: Vec<Option<u32>>,
     face_sources: Vec<Option<u32>>,
-    /// True for each face that was turned over an odd number of times.
+    /// True for each face that was flipped an odd number of times.
     turned: Vec<bool>,
     /// The vertex of the input that took the place of each merged one.
     merged_into: Vec<(u32, u32)>,
@@ -337,16 +359,28 @@ impl Work {
         (0..MAX_ROUNDS).any(|_| !self.round(options))
     }
 
-    /// Fills holes, and settles. Returns false, with the mesh as it was, if that does not leave
-    /// less boundary: a patch that makes an edge non-manifold is cut off again.
-    fn fill(&mut self, options: &RepairOptions) -> bool {
+    /// Fills holes, places the patches, and settles. Returns false, with the mesh as it was, if
+    /// that does not leave less boundary: a patch that makes an edge non-manifold is cut off again.
+    fn fill(
+        &mut self,
+        options: &RepairOptions,
+        place: &mut impl FnMut(&TriMesh, Vec<u32>) -> Option<TriMesh>,
+    ) -> bool {
         let mut filled = self.clone();
         filled.fill_holes(options.holes, &filled.places(options));
         let notes = filled.changes[self.changes.len()..].to_vec();
         let boundary = |work: &Self| work.mesh.topology().boundary_edges().count();
+        let before = boundary(self);
         let any = filled.mesh.face_count() > self.mesh.face_count();
-        if any && filled.settle(options) && boundary(&filled) < boundary(self) {
+        if any && filled.settle(options) && boundary(&filled) < before {
             *self = filled;
+            let patch = patch_vertices(&self.vertex_sources);
+            if let Some(mesh) = (!patch.is_empty()).then(|| place(&self.mesh, patch)).flatten() {
+                let mut placed = Self { mesh, ..self.clone() };
+                if placed.settle(options) && boundary(&placed) < before {
+                    *self = placed;
+                }
+            }
             return true;
         }
         let open = notes.into_iter().map(|(_, holes)| (RepairStep::OpenHoles, holes));
@@ -463,6 +497,12 @@ impl Work {
         });
         Repaired { changes: changes.collect(), mesh, vertex_sources, face_sources, vertices }
     }
+}
+
+/// The vertices without a source.
+fn patch_vertices(sources: &[Option<u32>]) -> Vec<u32> {
+    let new = sources.iter().enumerate().filter(|(_, source)| source.is_none());
+    new.map(|(v, _)| v as u32).collect()
 }
 
 /// The items that are kept.

@@ -61,8 +61,8 @@ fn pairs_at(mesh: &TriMesh, e: u32) -> Vec<[u32; 2]> {
         })
         .collect();
     // Normals of faces that run along the edge point to larger angles, so that the inside of each
-    // lies towards smaller ones.
-    around.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
+    // lies towards smaller ones. Of faces at one angle, those that end a wedge come first.
+    around.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.2.cmp(&q.2)).then(p.1.cmp(&q.1)));
     let mut pairs = vec![];
     let mut open = vec![];
     // Twice around, because a wedge may contain the angle where the order begins.

@@ -161,6 +161,36 @@ fn a_fin_is_cut_off_the_surface() {
     }
 }
 
+/// One face of the fin would leave the cube open.
+#[test]
+fn a_fin_of_doubled_faces_goes() {
+    let solid = cube();
+    let mut positions = solid.positions().to_vec();
+    positions.extend([[0.5, -1.0, 2.0], [0.7, -2.0, 2.0]]);
+    let [a, b, _] = solid.faces()[5];
+    for second in [[b, a, 8], [a, b, 8]] {
+        let faces = [solid.faces(), &[[a, b, 8], second, [a, 8, 9], [9, a, 8]]].concat();
+        let result = repaired(&mesh(&positions, &faces));
+        assert_eq!(result.mesh, solid);
+        assert_eq!(result.changed(RepairStep::DuplicateFaces), [12, 13, 14, 15]);
+        assert_eq!(result.changed(RepairStep::IsolatedVertices), [8, 9]);
+    }
+    // A sheet of doubled faces alone keeps one of each.
+    let sheet = mesh(&positions, &[[0, 1, 8], [1, 0, 8], [0, 8, 9], [8, 0, 9]]);
+    assert_eq!(repaired(&sheet).mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn a_wall_between_two_solids_stays() {
+    let both = together(&[&cube(), &moved(&cube(), 1.0, [1.0, 0.0, 0.0])]).welded().mesh;
+    assert_eq!((both.vertex_count(), Diagnosis::new(&both).duplicate_faces.count), (12, 2));
+    let result = repaired(&both);
+    assert!(result.mesh.topology().is_closed());
+    assert_eq!(result.mesh.topology().components().count(), 2);
+    assert_eq!((result.mesh.vertex_count(), result.mesh.signed_volume()), (16, 2.0));
+    assert_eq!(result.changed(RepairStep::DuplicateFaces), [] as [u32; 0]);
+}
+
 /// Two sheets that share an edge, and are connected around both of its ends.
 #[test]
 fn a_pinched_edge_is_cut_where_pairs_cannot_be_kept() {

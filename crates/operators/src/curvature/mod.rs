@@ -7,7 +7,7 @@
 //! are flagged apart: their values are one-sided.
 //!
 //! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that turn
-//! against the rest of their part count as turned over. On parts that cannot be oriented, such as
+//! against the rest of their part count as flipped. On parts that cannot be oriented, such as
 //! a Möbius band, curvature has no sign: values there are those of the side from which H ≥ 0.
 //!
 //! [`Estimator`] runs any of the methods and returns one type, the

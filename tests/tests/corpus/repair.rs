@@ -1,0 +1,82 @@
+//! Repair of every file of the corpus: a second run changes nothing, the default keeps the surface.
+
+use std::path::Path;
+
+use fairing_mesh::{Diagnosis, RepairOptions, Repaired, TriMesh, io};
+use fairing_smoothing::repair_fair;
+use libtest_mimic::Failed;
+
+use crate::{Test, verbs};
+
+/// The tests of this area.
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![("a_second_run_changes_nothing", is_idempotent), ("the_default_keeps_the_surface", keeps)]
+}
+
+/// Every step alone and with others.
+fn options() -> Vec<RepairOptions> {
+    let all = RepairOptions::DEFAULT;
+    vec![
+        all.clone(),
+        RepairOptions { thin: Diagnosis::SLIVER, ..all.clone() },
+        RepairOptions { tolerance: 0.01, ..all.clone() },
+        RepairOptions { tolerance: 0.3, thin: 0.05, ..all.clone() },
+        RepairOptions { holes: 60, tolerance: 0.01, ..all.clone() },
+        RepairOptions { holes: 30, orient: false, split: false, ..all.clone() },
+        RepairOptions { holes: 100, smallest_component: 50, thin: 0.01, tolerance: 0.05, ..all },
+        RepairOptions { holes: 60, ..RepairOptions::NONE },
+    ]
+}
+
+fn each(folder: &Path, check: impl Fn(&TriMesh) -> Option<String>) -> Result<(), Failed> {
+    let mut wrong = String::new();
+    for file in verbs::files(folder, 4 << 20)? {
+        let mesh = io::read(folder.join(&file))?.mesh;
+        if let Some(what) = check(&mesh) {
+            wrong += &format!("{}: {what}\n", file.display());
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.into()) }
+}
+
+fn repaired(mesh: &TriMesh, options: &RepairOptions) -> Repaired {
+    repair_fair(mesh, options).unwrap().0
+}
+
+fn is_idempotent(folder: &Path) -> Result<(), Failed> {
+    each(folder, |mesh| {
+        options().into_iter().find_map(|options| {
+            let once = repaired(mesh, &options);
+            let twice = repaired(&once.mesh, &options);
+            let counts =
+                || twice.changes.iter().map(|(step, e)| (step, e.len())).collect::<Vec<_>>();
+            (!twice.is_unchanged() || twice.mesh != once.mesh)
+                .then(|| format!("{options:?} changes again: {:?}", counts()))
+        })
+    })
+}
+
+/// Area, corners and volume stay; what is closed once it is welded stays closed.
+fn keeps(folder: &Path) -> Result<(), Failed> {
+    each(folder, |mesh| {
+        let welded = mesh.welded().mesh;
+        let result = repaired(mesh, &RepairOptions::DEFAULT);
+        let mut wrong = vec![];
+        if welded.topology().is_closed() && !result.mesh.topology().is_closed() {
+            let open = result.mesh.topology().boundary_edges().count();
+            wrong.push(format!("{open} edges are open"));
+        }
+        for (face, source) in result.mesh.faces().iter().zip(&result.face_sources) {
+            let place = |mesh: &TriMesh, face: [u32; 3]| {
+                let mut corners = face.map(|v| mesh.positions()[v as usize].map(|x| x + 0.0));
+                corners.sort_by(|p, q| p.partial_cmp(q).unwrap());
+                corners
+            };
+            let before = source.map(|f| place(mesh, mesh.faces()[f as usize]));
+            if before != Some(place(&result.mesh, *face)) {
+                wrong.push(format!("{source:?} has moved"));
+            }
+        }
+        (!wrong.is_empty()).then(|| wrong.join(", "))
+    })
+}
