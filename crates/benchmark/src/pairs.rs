@@ -17,18 +17,38 @@ pub struct Pair {
 }
 
 /// Noisy file and true file of each, below the folder of the meshes.
-const FILES: [[&str; 2]; 6] = [
+const FILES: [[&str; 2]; 13] = [
     ["denoising/Fandisk0.3_noisy.obj", "denoising/Fandisk0.3_original.obj"],
     ["denoising/Fandisk0.7_noisy.obj", "denoising/Fandisk0.3_original.obj"],
     ["denoising/Block0.4_noisy.obj", "denoising/Block0.4_original.obj"],
     ["denoising/Twelve0.5Impulsive_noisy.obj", "denoising/Twelve0.5Impulsive_original.obj"],
     ["assignment/fandisk_ns.obj", "assignment/fandisk.obj"],
     ["denoising/Julius0.2_noisy.obj", "denoising/Julius0.2_original.obj"],
+    ["denoising/KinectPyramid_noisy.obj", "denoising/KinectPyramid_original.obj"],
+    ["denoising/ScanBunny090_noisy.obj", "denoising/ScanBunny090_original.obj"],
+    ["denoising/ScanDragon0_noisy.obj", "denoising/ScanDragon0_original.obj"],
+    ["denoising/igea_n3_noisy.obj", "denoising/igea_n3_original.obj"],
+    ["denoising/child_n3_noisy.obj", "denoising/child_n3_original.obj"],
+    ["denoising/trim-star_n3_noisy.obj", "denoising/trim-star_n3_original.obj"],
+    ["denoising/nicolo_imp6_noisy.obj", "denoising/nicolo_imp6_original.obj"],
 ];
 
 /// The names of all pairs.
-pub const PAIR_NAMES: [&str; 6] =
-    ["Fandisk0.3", "Fandisk0.7", "Block0.4", "Twelve0.5", "fandisk_ns", "Julius0.2"];
+pub const PAIR_NAMES: [&str; 13] = [
+    "Fandisk0.3",
+    "Fandisk0.7",
+    "Block0.4",
+    "Twelve0.5",
+    "fandisk_ns",
+    "Julius0.2",
+    "KinectPyramid",
+    "ScanBunny090",
+    "ScanDragon0",
+    "igea_n3",
+    "child_n3",
+    "trim-star_n3",
+    "nicolo_imp6",
+];
 
 /// The pairs found in the folder, and the names of those that are not there.
 ///

@@ -22,10 +22,9 @@ const THRESHOLD: f64 = 0.5;
 fairing_parameters::options! {
     /// Options of [`total_generalised_variation`].
     ///
-    /// The weight grows with the noise of the normals: 0.1 to 0.2 suit laser scans, 0.5 independent
-    /// noise of a third of the mean edge length, and 1 strong noise on large faces, and depth
-    /// cameras, for which 100 vertex updates help. A large ratio leaves the variation of first
-    /// order.
+    /// The weight grows with the noise of the normals: 0.5 suits independent noise of a third of
+    /// the mean edge length, and 1 strong noise on large faces, and depth cameras, for which 100
+    /// vertex updates help. A large ratio leaves the variation of first order.
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
