@@ -103,6 +103,7 @@ Playground.kinds.set('denoising', class extends Playground {
   plot(sigma) {
     const names = [['noisy', 'soft'], ['diffusion', 'explicit'], ['filter', 'filter']];
     return linePlot({
+      size: [420, 150],
       label: 'normal error over the noise: of the noisy part, after diffusion and after the filter',
       x: {from: 0, to: 0.6, label: 'noise σ/h'},
       y: {from: 0, to: 80, label: 'normal error in degrees'},

@@ -107,6 +107,7 @@ Playground.kinds.set('diffusion', class extends Playground {
       {name, kind: name, points: along.map((m) => [m, factor(-m)])}));
     const rough = -this.roughest;
     const plot = linePlot({
+      size: [420, 165],
       label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
       x: {from: 0, to: 2, label: '|μ|, smooth to rough'},
       y: {from: -2, to: 1.2, label: 'factor of one step'},
@@ -129,6 +130,7 @@ Playground.kinds.set('diffusion', class extends Playground {
       {name: 'implicit', kind: 'implicit', dots: true, points: dots(factors.implicit)},
     ];
     const plot = linePlot({
+      size: [420, 165],
       label: 'size of each mode in the positions before and after, on a logarithmic axis',
       x: {from: 0, to: 1.5, label: '|μ|, smooth to rough'},
       y: {from: 1e-4, to: 1e3, log: true, label: 'size in the positions'},

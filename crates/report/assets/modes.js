@@ -74,6 +74,7 @@ class ModeSum {
     const k = this.last() + 1;
     const plot = linePlot({
       label: 'size of each mode in the positions over its number',
+      size: [420, 130],
       x: {from: 1, to: this.count, label: 'mode, smooth to rough'},
       y: {from: Math.min(...sizes), to: Math.max(...sizes), log: true, label: 'size in the positions'},
       series: [

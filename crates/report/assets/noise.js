@@ -37,11 +37,11 @@ Playground.kinds.set('noise', class extends Playground {
     });
     this.panels = [this.stage('H, mean curvature', 'A noisy surface, coloured by mean curvature.'), this.stage('K, Gaussian curvature', 'The same surface, coloured by Gaussian curvature.')];
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.plots = element('div', {class: 'beside'});
+    this.plots = element('div', {class: 'panel'});
     return [
       element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.surface.label, this.shown.label, again),
-      element('div', {class: 'panels'}, ...this.panels.map(({panel}) => panel)),
-      this.sigma.row, this.size.row, this.result, this.plots,
+      element('div', {class: 'panels'}, ...this.panels.map(({panel}) => panel), this.plots),
+      this.sigma.row, this.size.row, this.result,
     ];
   }
 
@@ -131,7 +131,7 @@ Playground.kinds.set('noise', class extends Playground {
     this.result.textContent =
       `H is off by ${readable(100 * mean, 2)} %, K by ${readable(100 * gaussian, 2)} %: ${readable(gaussian / mean, 2)} times as much. ` +
       `The angle defects still add up to ${this.total()}, as they must: 2πχ = ${2 * this.kind.euler ? `${2 * this.kind.euler} π` : '0'}.`;
-    this.plots.replaceChildren(this.plot(sigma, mean, gaussian));
+    this.plots.replaceChildren(element('p', {class: 'title'}, 'errors over the noise'), this.plot(sigma, mean, gaussian));
     if (this.picked >= this.mesh.positions.length / 3) this.picked = -1;
   }
 
@@ -146,6 +146,7 @@ Playground.kinds.set('noise', class extends Playground {
     const shown = Math.min(0.5, Math.max(0.005, sigma));
     return linePlot({
       label: 'relative errors of H and K over the noise, on logarithmic axes',
+      size: [225, 200],
       x: {from: 0.005, to: 0.5, log: true, label: 'noise σ/h'},
       y: {from: 1e-2, to: 100, log: true, label: 'relative error'},
       series,
