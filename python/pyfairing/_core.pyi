@@ -172,7 +172,7 @@ def smooth(
     mesh: Mesh, method: str, given: Given, call: Call
 ) -> tuple[Mesh, dict[str, Any]]: ...
 def denoise(
-    mesh: Mesh, method: str, given: Given, call: Call
+    mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call
 ) -> tuple[Mesh, tuple[float | None, str, str | None, int] | None]: ...
 def noise(
     mesh: Mesh,

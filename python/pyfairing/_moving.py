@@ -70,11 +70,7 @@ class Moving(Base):
         # A projection on modes has no pins.
         pins = "pin" in METHOD.algorithms.get(method, ()) and options.get("modes") is None
         if selected is not None and pins:
-            fixed = ~selected
-            if options.get("pin") is not None:
-                n = self._core.vertex_count
-                fixed[_arrays.numbers(options["pin"], n, "pin", n)] = True  # type: ignore[arg-type]
-            options["pin"] = fixed
+            options["pin"] = self._fixed(options.get("pin"), selected)  # type: ignore[arg-type]
         values = METHOD.values(method, options, self._core.vertex_count)
         try:
             with running(threads, progress) as call:
@@ -99,6 +95,14 @@ class Moving(Base):
         mask = np.zeros(n, dtype=np.bool_)
         mask[_arrays.numbers(where, n, "where", n)] = True
         return mask
+
+    def _fixed(self, pin: npt.ArrayLike | None, selected: Bools | None) -> list[int]:
+        """The pinned vertices, and those that are not selected."""
+        n = self._core.vertex_count
+        fixed = np.zeros(n, dtype=np.bool_) if selected is None else ~selected
+        if pin is not None:
+            fixed[_arrays.numbers(pin, n, "pin", n)] = True
+        return [int(v) for v in np.flatnonzero(fixed)]
 
     def _kept(self, moved: CoreMesh, selected: Bools | None) -> CoreMesh:
         """The mesh with the vertices that are not selected where they were."""
@@ -266,6 +270,7 @@ class Moving(Base):
         self,
         method: Denoiser = "automatic",
         *,
+        pin: npt.ArrayLike | None = None,
         where: npt.ArrayLike | None = None,
         threads: int | None = None,
         progress: Progress = None,
@@ -280,9 +285,11 @@ class Moving(Base):
 
             {denoisers}
         {parameters_of_denoisers}
+        pin : array_like of int or bool, optional
+            Fixed vertices, or a mask of them.
         where : array_like of int or bool, optional
-            The vertices that move, or a mask of them; the others keep their positions. By default
-            all.
+            The vertices that move, or a mask of them; the others are fixed. By default all.
+            `automatic` measures the noise at the vertices that move.
         {run}
 
         Returns
@@ -304,12 +311,11 @@ class Moving(Base):
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
-        selected = self._selected(where)
+        fixed = self._fixed(pin, self._selected(where))
         values = DENOISER.values(method, parameters, self._core.vertex_count)
         self._warn_of_orientation()
         with running(threads, progress) as call:
-            core, found = _core.denoise(self._core, method, values, call)
-        core = self._kept(core, selected)
+            core, found = _core.denoise(self._core, method, values, fixed, call)
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)

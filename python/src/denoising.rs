@@ -1,6 +1,6 @@
 //! Denoising.
 
-use fairing_denoising::{Approach, Denoiser, SurfaceKind, automatic};
+use fairing_denoising::{Approach, Denoiser, Masked, SurfaceKind, automatic};
 use pyo3::prelude::*;
 
 use crate::error::Error;
@@ -12,22 +12,30 @@ use crate::run::Call;
 /// number of vertices on uneven parts.
 type Found = (Option<f64>, &'static str, Option<&'static str>, usize);
 
-/// The mesh, and the report of the automatic method.
+/// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
 fn denoise(
     py: Python<'_>,
     mesh: &Mesh,
     method: &str,
     given: Named,
+    pinned: Vec<u32>,
     call: Call,
 ) -> PyResult<(Mesh, Option<Found>)> {
     let method = Denoiser::with(method, &borrowed(&given)).map_err(Error::option)?;
     let mesh = mesh.share();
     let (mesh, found) = call.run(py, move || {
+        let mut fixed = vec![false; mesh.vertex_count()];
+        for v in pinned {
+            if let Some(fixed) = fixed.get_mut(v as usize) {
+                *fixed = true;
+            }
+        }
+        let masked = Masked::new(&mesh, &fixed).map_err(Error::option)?;
         let Denoiser::Automatic(options) = method else {
-            return Ok((method.denoise(&mesh)?, None));
+            return Ok((method.denoise(masked)?, None));
         };
-        let found = automatic(&mesh, &options)?;
+        let found = automatic(masked, &options)?;
         let kind = match found.kind {
             SurfaceKind::Creased => "creased",
             SurfaceKind::Smooth => "smooth",
