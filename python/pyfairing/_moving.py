@@ -295,9 +295,9 @@ class Moving(Base):
         Returns
         -------
         Mesh
-            The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
-            units (None if there are too few vertices), `surface`: `creased`, `smooth`,
-            `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
+            The same faces. For `automatic`, `Mesh.report` has the noise of `noise_level`: `sigma`,
+            `correlation_length` and `wide_sigma` (None if there are too few vertices), `surface`:
+            `creased`, `smooth`, `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
             `total-generalised-variation` for strong noise that is correlated over several
             edges, like that of a depth camera, or None if nothing was moved. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
@@ -319,13 +319,15 @@ class Moving(Base):
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        sigma, surface, approach, uneven = found
+        noise, surface, approach, uneven = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
                 "these parts stay as they are; other methods move them, too"
             )
-        report |= {"sigma": sigma, "surface": surface, "approach": approach}
+        names = ("sigma", "correlation_length", "wide_sigma")
+        report |= dict(zip(names, noise or (None, None, None)))
+        report |= {"surface": surface, "approach": approach}
         return self._moved(core, report)
 
     @documented

@@ -8,9 +8,9 @@ use crate::mesh::Mesh;
 use crate::options::{Named, borrowed};
 use crate::run::Call;
 
-/// The report of the automatic method: σ, if measured, the kind of surface, the approach, and the
-/// number of vertices on uneven parts.
-type Found = (Option<f64>, &'static str, Option<&'static str>, usize);
+/// The report of the automatic method: σ̂, correlation length and level at that length, if measured;
+/// the kind of surface, the approach, and the number of vertices on uneven parts.
+type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, usize);
 
 /// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
@@ -42,10 +42,10 @@ fn denoise(
             SurfaceKind::Uneven => "uneven",
             _ => "clean",
         };
-        let sigma = found.noise.map(|n| n.sigma);
+        let noise = found.noise.map(|n| [n.sigma, n.correlation_length, n.wide_sigma]);
         Ok((
             found.mesh,
-            Some((sigma, kind, found.approach.map(Approach::name), found.uneven_vertices)),
+            Some((noise, kind, found.approach.map(Approach::name), found.uneven_vertices)),
         ))
     })?;
     Ok((mesh.into(), found))
