@@ -172,8 +172,8 @@ def smooth(
     mesh: Mesh, method: str, given: Given, call: Call
 ) -> tuple[Mesh, dict[str, Any]]: ...
 def denoise(
-    mesh: Mesh, method: str, given: Given, call: Call
-) -> tuple[Mesh, tuple[float | None, str, str | None, int] | None]: ...
+    mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call
+) -> tuple[Mesh, tuple[list[float] | None, str, str | None, int] | None]: ...
 def noise(
     mesh: Mesh,
     sigma: float,

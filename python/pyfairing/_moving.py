@@ -70,11 +70,7 @@ class Moving(Base):
         # A projection on modes has no pins.
         pins = "pin" in METHOD.algorithms.get(method, ()) and options.get("modes") is None
         if selected is not None and pins:
-            fixed = ~selected
-            if options.get("pin") is not None:
-                n = self._core.vertex_count
-                fixed[_arrays.numbers(options["pin"], n, "pin", n)] = True  # type: ignore[arg-type]
-            options["pin"] = fixed
+            options["pin"] = self._fixed(options.get("pin"), selected)  # type: ignore[arg-type]
         values = METHOD.values(method, options, self._core.vertex_count)
         try:
             with running(threads, progress) as call:
@@ -99,6 +95,14 @@ class Moving(Base):
         mask = np.zeros(n, dtype=np.bool_)
         mask[_arrays.numbers(where, n, "where", n)] = True
         return mask
+
+    def _fixed(self, pin: npt.ArrayLike | None, selected: Bools | None) -> list[int]:
+        """The pinned vertices, and those that are not selected."""
+        n = self._core.vertex_count
+        fixed = np.zeros(n, dtype=np.bool_) if selected is None else ~selected
+        if pin is not None:
+            fixed[_arrays.numbers(pin, n, "pin", n)] = True
+        return [int(v) for v in np.flatnonzero(fixed)]
 
     def _kept(self, moved: CoreMesh, selected: Bools | None) -> CoreMesh:
         """The mesh with the vertices that are not selected where they were."""
@@ -266,6 +270,7 @@ class Moving(Base):
         self,
         method: Denoiser = "automatic",
         *,
+        pin: npt.ArrayLike | None = None,
         where: npt.ArrayLike | None = None,
         threads: int | None = None,
         progress: Progress = None,
@@ -280,17 +285,19 @@ class Moving(Base):
 
             {denoisers}
         {parameters_of_denoisers}
+        pin : array_like of int or bool, optional
+            Fixed vertices, or a mask of them.
         where : array_like of int or bool, optional
-            The vertices that move, or a mask of them; the others keep their positions. By default
-            all.
+            The vertices that move, or a mask of them; the others are fixed. By default all.
+            `automatic` measures the noise at the vertices that move.
         {run}
 
         Returns
         -------
         Mesh
-            The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
-            units (None if there are too few vertices), `surface`: `creased`, `smooth`,
-            `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
+            The same faces. For `automatic`, `Mesh.report` has the noise of `noise_level`: `sigma`,
+            `correlation_length` and `wide_sigma` (None if there are too few vertices), `surface`:
+            `creased`, `smooth`, `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
             `total-generalised-variation` for strong noise that is correlated over several
             edges, like that of a depth camera, or None if nothing was moved. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
@@ -304,22 +311,23 @@ class Moving(Base):
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
-        selected = self._selected(where)
+        fixed = self._fixed(pin, self._selected(where))
         values = DENOISER.values(method, parameters, self._core.vertex_count)
         self._warn_of_orientation()
         with running(threads, progress) as call:
-            core, found = _core.denoise(self._core, method, values, call)
-        core = self._kept(core, selected)
+            core, found = _core.denoise(self._core, method, values, fixed, call)
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        sigma, surface, approach, uneven = found
+        noise, surface, approach, uneven = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
                 "these parts stay as they are; other methods move them, too"
             )
-        report |= {"sigma": sigma, "surface": surface, "approach": approach}
+        names = ("sigma", "correlation_length", "wide_sigma")
+        report |= dict(zip(names, noise or (None, None, None)))
+        report |= {"surface": surface, "approach": approach}
         return self._moved(core, report)
 
     @documented

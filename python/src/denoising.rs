@@ -1,6 +1,6 @@
 //! Denoising.
 
-use fairing_denoising::{Approach, Denoiser, SurfaceKind, automatic};
+use fairing_denoising::{Approach, Denoiser, Masked, SurfaceKind, automatic};
 use pyo3::prelude::*;
 
 use crate::error::Error;
@@ -8,36 +8,44 @@ use crate::mesh::Mesh;
 use crate::options::{Named, borrowed};
 use crate::run::Call;
 
-/// The report of the automatic method: σ, if measured, the kind of surface, the approach, and the
-/// number of vertices on uneven parts.
-type Found = (Option<f64>, &'static str, Option<&'static str>, usize);
+/// The report of the automatic method: σ̂, correlation length and level at that length, if measured;
+/// the kind of surface, the approach, and the number of vertices on uneven parts.
+type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, usize);
 
-/// The mesh, and the report of the automatic method.
+/// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
 fn denoise(
     py: Python<'_>,
     mesh: &Mesh,
     method: &str,
     given: Named,
+    pinned: Vec<u32>,
     call: Call,
 ) -> PyResult<(Mesh, Option<Found>)> {
     let method = Denoiser::with(method, &borrowed(&given)).map_err(Error::option)?;
     let mesh = mesh.share();
     let (mesh, found) = call.run(py, move || {
+        let mut fixed = vec![false; mesh.vertex_count()];
+        for v in pinned {
+            if let Some(fixed) = fixed.get_mut(v as usize) {
+                *fixed = true;
+            }
+        }
+        let masked = Masked::new(&mesh, &fixed).map_err(Error::option)?;
         let Denoiser::Automatic(options) = method else {
-            return Ok((method.denoise(&mesh)?, None));
+            return Ok((method.denoise(masked)?, None));
         };
-        let found = automatic(&mesh, &options)?;
+        let found = automatic(masked, &options)?;
         let kind = match found.kind {
             SurfaceKind::Creased => "creased",
             SurfaceKind::Smooth => "smooth",
             SurfaceKind::Uneven => "uneven",
             _ => "clean",
         };
-        let sigma = found.noise.map(|n| n.sigma);
+        let noise = found.noise.map(|n| [n.sigma, n.correlation_length, n.wide_sigma]);
         Ok((
             found.mesh,
-            Some((sigma, kind, found.approach.map(Approach::name), found.uneven_vertices)),
+            Some((noise, kind, found.approach.map(Approach::name), found.uneven_vertices)),
         ))
     })?;
     Ok((mesh.into(), found))

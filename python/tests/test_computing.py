@@ -295,6 +295,11 @@ def test_noise_denoise_compare() -> None:
     assert 1.0 <= level.two_ring_ratio < 1.2
     clean = noisy.denoise()
     assert clean.report["surface"] == "creased"
+    assert all(
+        clean.report[name] == getattr(level, name) for name in ("sigma", "correlation_length", "wide_sigma")
+    )
+    none = pf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).denoise().report
+    assert none["sigma"] is None and none["correlation_length"] is None and none["wide_sigma"] is None
     before, after = pf.compare(noisy, cube), pf.compare(clean, cube)
     assert after["normal_mean"] < 0.5 * before["normal_mean"]
     assert all(isinstance(value, float) for value in after.values())

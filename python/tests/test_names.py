@@ -139,7 +139,7 @@ def test_parameters_reach_the_algorithms(bumpy: pf.Mesh) -> None:
 @pytest.mark.filterwarnings("ignore::pyfairing.FairingWarning")
 def test_a_mask_moves_only_what_it_selects(patch: pf.Mesh) -> None:
     where = patch.vertices[:, 0] > 0.5
-    fixed = patch.vertices[~where]
+    kept = patch.vertices[~where]
     for moved in (
         *(
             patch.smooth(method, where=where, **({"vertices": range(60)} if method == "region" else {}))
@@ -151,17 +151,22 @@ def test_a_mask_moves_only_what_it_selects(patch: pf.Mesh) -> None:
         patch.smooth("taubin", pin=[3], where=where),
         patch.noise(0.1, where=where),
     ):
-        np.testing.assert_array_equal(moved.vertices[~where], fixed)
+        np.testing.assert_array_equal(moved.vertices[~where], kept)
     noisy = patch.noise(0.2)
-    for denoiser in ("automatic", "bilateral-normal"):
-        part = noisy.denoise(denoiser, where=where)
-        np.testing.assert_array_equal(part.vertices[~where], noisy.vertices[~where])
-        np.testing.assert_array_equal(part.vertices[where], noisy.denoise(denoiser).vertices[where])
+    for denoiser in pf.DENOISERS:
+        part = noisy.denoise(denoiser, where=where, pin=[3])
+        fixed = ~where
+        fixed[3] = True
+        np.testing.assert_array_equal(part.vertices[fixed], noisy.vertices[fixed])
+        assert (part.vertices[~fixed] != noisy.vertices[~fixed]).any()
+        assert noisy.denoise(denoiser, pin=fixed) == part
     # Flows hold the others in every step, as pins do.
     held = patch.smooth("implicit", lam=2.0, where=where)
     np.testing.assert_array_equal(held.vertices, patch.smooth("implicit", lam=2.0, pin=~where).vertices)
     with pytest.raises(pf.OptionError, match="where is a mask of shape"):
         patch.smooth(where=[True])
+    with pytest.raises(pf.OptionError, match="pin names vertex"):
+        noisy.denoise(pin=[10**6])
 
 
 def test_wave_kernels_have_energies_and_a_deviation(sphere: pf.Mesh) -> None:

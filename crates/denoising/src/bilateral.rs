@@ -7,9 +7,9 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::DenoiseError;
 use super::faces::Marks;
 use super::oriented::on_oriented;
+use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
     /// Options of [`bilateral`].
@@ -46,11 +46,15 @@ fairing_parameters::options! {
 /// Source: [fleishman2003].
 ///
 /// [fleishman2003]: https://doi.org/10.1145/882262.882368
-pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+pub fn bilateral<'a>(
+    mesh: impl Into<Masked<'a>>,
+    options: &BilateralOptions,
+) -> Result<TriMesh, DenoiseError> {
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let mut current = mesh.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
@@ -61,7 +65,10 @@ fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, Denoise
             .into_par_iter()
             .map_init(
                 || (vec![], Marks::new(current.vertex_count())),
-                |scratch, v| move_vertex(&current, v, spatial, options.range, scratch),
+                |scratch, v| match input.is_fixed(v as usize) {
+                    true => current.positions()[v as usize],
+                    false => move_vertex(&current, v, spatial, options.range, scratch),
+                },
             )
             .collect();
         current = current.with_positions(positions)?;

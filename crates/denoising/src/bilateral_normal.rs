@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance};
+use super::masked::Masked;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, follow_normals};
 
@@ -52,14 +53,15 @@ fairing_parameters::options! {
 /// Source: [zheng2011], the local iterative scheme.
 ///
 /// [zheng2011]: https://doi.org/10.1109/TVCG.2010.264
-pub fn bilateral_normal(
-    mesh: &TriMesh,
+pub fn bilateral_normal<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &BilateralNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let mut normals = weights.shapes.normals.clone();
@@ -74,7 +76,7 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
             })
             .collect();
     }
-    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 fairing_parameters::options! {
@@ -118,17 +120,18 @@ fairing_parameters::options! {
 /// Source: [zheng2011], the global scheme.
 ///
 /// [zheng2011]: https://doi.org/10.1109/TVCG.2010.264
-pub fn bilateral_normal_global(
-    mesh: &TriMesh,
+pub fn bilateral_normal_global<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter_globally(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter_globally(mesh, options))
 }
 
 fn filter_globally(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let noisy = &weights.shapes.normals;
@@ -169,7 +172,7 @@ fn filter_globally(
     let normals = solved(found, &accuracy, 0)?;
     let normals: Vec<DVec3> =
         normals.into_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
-    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The geometric part of the weights, computed once.

@@ -5,7 +5,7 @@ use fairing_mesh::TriMesh;
 use crate::automatic::{AutomaticOptions, automatic};
 use crate::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError,
-    FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
+    FastEffectiveOptions, GuidedNormalOptions, L0Options, Masked, NonIterativeOptions,
     TotalGeneralisedVariationOptions, TotalVariationOptions, bilateral, bilateral_normal,
     bilateral_normal_global, fast_effective, guided_normal, l0, non_iterative,
     total_generalised_variation, total_variation,
@@ -54,12 +54,12 @@ fairing_parameters::algorithms! {
         TotalGeneralisedVariation(TotalGeneralisedVariationOptions) => total_generalised_variation,
     }
 
-    /// Denoises a mesh; the result has the same faces.
+    /// Denoises a mesh, all of it or all but [fixed](Masked) vertices; the result has the same faces.
     ///
     /// # Errors
     ///
     /// The errors of the function of the denoiser.
-    pub fn denoise(mesh: &TriMesh) -> Result<TriMesh, DenoiseError>;
+    pub fn denoise<'a>(mesh: impl Into<Masked<'a>>) -> Result<TriMesh, DenoiseError>;
 }
 
 #[cfg(test)]

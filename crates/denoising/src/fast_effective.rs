@@ -4,10 +4,10 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
 use rayon::prelude::*;
 
-use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes};
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, follow_normals};
+use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
     /// Options of [`fast_effective`].
@@ -42,14 +42,15 @@ fairing_parameters::options! {
 /// Source: [sun2007].
 ///
 /// [sun2007]: https://doi.org/10.1109/TVCG.2007.1065
-pub fn fast_effective(
-    mesh: &TriMesh,
+pub fn fast_effective<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &FastEffectiveOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let threshold = options.threshold;
     let rings = FaceLists::rings(mesh);
@@ -71,5 +72,5 @@ fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, Den
             })
             .collect();
     }
-    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }

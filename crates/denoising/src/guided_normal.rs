@@ -7,10 +7,10 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, follow_normals};
+use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
     /// Options of [`guided_normal`].
@@ -60,14 +60,15 @@ fairing_parameters::options! {
 /// Source: [zhang2015].
 ///
 /// [zhang2015]: https://doi.org/10.1111/cgf.12742
-pub fn guided_normal(
-    mesh: &TriMesh,
+pub fn guided_normal<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &GuidedNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);
@@ -100,7 +101,7 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
                 sum.normalize_or_zero()
             })
             .collect();
-        current = follow_normals(&current, &normals, &update)?;
+        current = follow_normals(input.on(&current), &normals, &update)?;
     }
     Ok(current)
 }

@@ -6,7 +6,7 @@
 //! options struct; [`Denoiser`] has them all by name. All keep the faces and the order of vertices.
 //! Faces that turn against the rest of their part count as flipped
 //! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input.
-//! A mesh whose faces do not share their corners is refused.
+//! A mesh whose faces do not share their corners is refused. [`Masked`] fixes vertices of a mesh.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
@@ -20,6 +20,7 @@ mod fast_effective;
 mod guided_normal;
 mod jumps;
 mod l0;
+mod masked;
 mod noise_level;
 mod noise_scale;
 mod non_iterative;
@@ -40,6 +41,7 @@ pub use error::DenoiseError;
 pub use fast_effective::{FastEffectiveOptions, fast_effective};
 pub use guided_normal::{GuidedNormalOptions, guided_normal};
 pub use l0::{L0Options, l0};
+pub use masked::Masked;
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 pub use non_iterative::{NonIterativeOptions, non_iterative};
 pub use total_generalised_variation::{

@@ -4,6 +4,7 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::Masked;
 use super::noise_scale::{
     self, GAUSSIAN_MEDIAN, correlated_over, median, quadric_residual, residual,
 };
@@ -149,13 +150,18 @@ const ALIKE: f64 = 4.0;
 /// The part with the largest `n σ̂²`, n the number of its vertices, is taken with
 /// all parts whose level is at least a quarter and at most four times its own,
 /// and so on with what is left. Parts that are too small for an estimate are in
-/// the first group; empty if all are.
-pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
-    let oriented = mesh.oriented();
+/// the first group; empty if all are. Fixed vertices ([`Masked`]) have a part in the fits, but do
+/// not count.
+pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
+    let input = mesh.into();
+    let oriented = input.mesh().oriented();
     let mesh = &*oriented;
     let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
-        .map_init(Scratch::default, |scratch, v| leave_one_out(mesh, v, scratch))
+        .map_init(Scratch::default, |scratch, v| match input.is_fixed(v as usize) {
+            true => Default::default(),
+            false => leave_one_out(mesh, v, scratch),
+        })
         .collect();
     let components = mesh.topology().components();
     let mut of_part = vec![Sizes::default(); components.count()];
@@ -192,7 +198,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     }
     for group in &mut groups {
         let inside = |v: u32| {
-            let part = components.label(v);
+            let part = components.label(v).filter(|_| !input.is_fixed(v as usize));
             part.is_some_and(|part| group.components.binary_search(&part).is_ok())
         };
         let sigma = group.level.sigma * group.level.two_ring_ratio;

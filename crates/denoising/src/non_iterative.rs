@@ -7,9 +7,9 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Marks};
 use super::oriented::on_oriented;
+use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
     /// Options of [`non_iterative`].
@@ -46,23 +46,25 @@ fairing_parameters::options! {
 /// Source: [jones2003].
 ///
 /// [jones2003]: https://doi.org/10.1145/1201775.882367
-pub fn non_iterative(
-    mesh: &TriMesh,
+pub fn non_iterative<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &NonIterativeOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let h = mesh.mean_edge_length();
     let (spatial, influence) = (options.spatial * h, options.influence * h);
     let shapes = FaceShapes::new(mesh);
     let rings = FaceLists::rings(mesh);
-    let mollified = average(mesh, &rings, &shapes, 0.5 * spatial, |_, c, _| Some((c, 1.0)))?;
+    // Only normals are taken from this mesh, so that fixed vertices move with it.
+    let mollified = average(mesh.into(), &rings, &shapes, 0.5 * spatial, |_, c, _| Some((c, 1.0)))?;
     let normals = FaceShapes::new(&mollified).normals;
     let b = -0.5 * LOG2_E / (influence * influence).max(f64::MIN_POSITIVE);
-    average(mesh, &rings, &shapes, spatial, |p, c, f| {
+    average(input, &rings, &shapes, spatial, |p, c, f| {
         let normal = normals[f];
         let height = normal.dot(c - p);
         Some((p + height * normal, libm::exp2(b * height * height)))
@@ -73,18 +75,22 @@ fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, Deno
 /// Moves each vertex p to the average of `predict(p, centroid, face)`, a
 /// position and a weight that multiplies `A exp(−‖p − c‖²/2 spatial²)`.
 fn average(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     rings: &FaceLists,
     shapes: &FaceShapes,
     spatial: f64,
     predict: impl Fn(DVec3, DVec3, usize) -> Option<(DVec3, f64)> + Sync,
 ) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     let a = -0.5 * LOG2_E / (spatial * spatial).max(f64::MIN_POSITIVE);
     let positions = (0..mesh.vertex_count())
         .into_par_iter()
         .map_init(
             || (vec![], Marks::new(mesh.face_count())),
             |(near, marks), v| {
+                if input.is_fixed(v) {
+                    return mesh.positions()[v];
+                }
                 let p = DVec3::from(mesh.positions()[v]);
                 near.clear();
                 marks.clear();

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceShapes, NO_HINGE};
 use super::jumps::{JumpSystem, length, shorten};
+use super::masked::Masked;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, follow_normals};
 
@@ -74,23 +75,24 @@ fairing_parameters::options! {
 /// Source: [liu2021].
 ///
 /// [liu2021]: https://doi.org/10.1109/TVCG.2021.3088118
-pub fn total_generalised_variation(
-    mesh: &TriMesh,
+pub fn total_generalised_variation<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &TotalGeneralisedVariationOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
 fn filter(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     options: &TotalGeneralisedVariationOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     if mesh.mean_edge_length() <= 0.0 {
         return Ok(mesh.clone());
     }
     let normals = filtered_normals(mesh, options)?;
-    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The normals of the minimiser.

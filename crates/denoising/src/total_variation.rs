@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::error::{DenoiseError, solved};
 use super::faces::Hinge;
 use super::jumps::{JumpSystem, shorten};
+use super::masked::Masked;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, follow_normals};
 
@@ -61,14 +62,15 @@ fairing_parameters::options! {
 /// Source: [zhang2015variational].
 ///
 /// [zhang2015variational]: https://doi.org/10.1109/TVCG.2015.2398432
-pub fn total_variation(
-    mesh: &TriMesh,
+pub fn total_variation<'a>(
+    mesh: impl Into<Masked<'a>>,
     options: &TotalVariationOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     if mesh.mean_edge_length() <= 0.0 {
         return Ok(mesh.clone());
@@ -96,7 +98,7 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
     }
     let normals: Vec<DVec3> =
         normals.into_par_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
-    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// α w of each hinge.

@@ -5,8 +5,8 @@ use fairing_parameters::OptionError;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::DenoiseError;
 use super::oriented::on_oriented;
+use super::{DenoiseError, Masked};
 
 /// The rule by which [`update_vertices`] moves vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ impl Default for VertexUpdate {
 /// agreeing with its normal (positive inner product) to opposing it is halved
 /// until it does not, up to three times, and then left out. Faces that oppose
 /// their normal already may turn freely. Border vertices move with the faces
-/// they have; isolated ones stay.
+/// they have; isolated and [fixed](Masked) ones stay.
 ///
 /// # Errors
 ///
@@ -53,33 +53,35 @@ impl Default for VertexUpdate {
 /// Source: [sun2007].
 ///
 /// [sun2007]: https://doi.org/10.1109/TVCG.2007.1065
-pub fn update_vertices(
-    mesh: &TriMesh,
+pub fn update_vertices<'a>(
+    mesh: impl Into<Masked<'a>>,
     normals: &[[f64; 3]],
     options: &VertexUpdate,
 ) -> Result<TriMesh, DenoiseError> {
-    let one_each = normals.len() == mesh.face_count();
+    let input = mesh.into();
+    let one_each = normals.len() == input.mesh().face_count();
     let (count, expected) = (normals.len() as f64, "the number of faces");
     OptionError::require(one_each, "number of normals", count, expected)?;
     let normals: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
-    follow_normals(mesh, &normals, options)
+    follow_normals(input, &normals, options)
 }
 
 /// [`update_vertices`] for one normal per face.
 pub(crate) fn follow_normals(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     normals: &[DVec3],
     options: &VertexUpdate,
 ) -> Result<TriMesh, DenoiseError> {
     if let Some(limit) = options.limit {
         OptionError::require_positive("limit", limit)?;
     }
-    on_oriented(mesh, |mesh| {
+    on_oriented(input, |input| {
+        let mesh = input.mesh();
         let start = mesh.positions();
         let mut positions = start.to_vec();
         for _ in 0..options.steps {
             fairing_watch::check();
-            positions = step(mesh, normals, start, &positions, options.limit);
+            positions = step(input, normals, start, &positions, options.limit);
         }
         Ok(mesh.with_positions(positions)?)
     })
@@ -109,13 +111,13 @@ impl Aim {
 
 /// One step of all vertices from `current`.
 fn step(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     normals: &[DVec3],
     start: &[[f64; 3]],
     current: &[[f64; 3]],
     limit: Option<f64>,
 ) -> Vec<[f64; 3]> {
-    let (incidence, faces) = (mesh.incidence(), mesh.faces());
+    let (incidence, faces) = (input.mesh().incidence(), input.mesh().faces());
     let aims: Vec<Aim> = faces
         .par_iter()
         .zip(normals)
@@ -124,6 +126,9 @@ fn step(
     (0..current.len())
         .into_par_iter()
         .map(|v| {
+            if input.is_fixed(v) {
+                return current[v];
+            }
             let x = DVec3::from(current[v]);
             let corners = incidence.corners(v as u32);
             let (mut sum, mut count, mut slack) = (DVec3::ZERO, 0u32, f64::INFINITY);
@@ -187,7 +192,7 @@ mod tests {
             .map(|f| DVec3::new(number(2 * f + 1), number(2 * f + 2), 0.2).normalize())
             .collect();
         let x = mesh.positions();
-        let moved = step(&mesh, &normals, x, x, None);
+        let moved = step((&mesh).into(), &normals, x, x, None);
         let (mut plain, mut kept) = (0, 0);
         for v in 0..x.len() {
             let corners = mesh.incidence().corners(v as u32);

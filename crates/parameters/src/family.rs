@@ -25,7 +25,9 @@ macro_rules! algorithms {
             $($(#[$doc:meta])* $Variant:ident($Options:ty) => $function:expr,)+
         }
         $(#[$run_doc:meta])*
-        pub fn $run:ident($mesh:ident: $Mesh:ty $(, $argument:ident: $Argument:ty)*) -> $Output:ty;
+        pub fn $run:ident $(<$life:lifetime>)? (
+            $mesh:ident: $Mesh:ty $(, $argument:ident: $Argument:ty)*
+        ) -> $Output:ty;
     ) => {
         $(#[$meta])*
         pub enum $Family {
@@ -96,7 +98,11 @@ macro_rules! algorithms {
             }
 
             $(#[$run_doc])*
-            pub fn $run(&self, $mesh: $Mesh $(, $argument: $Argument)*) -> $Output {
+            pub fn $run $(<$life>)? (
+                &self,
+                $mesh: $Mesh
+                $(, $argument: $Argument)*
+            ) -> $Output {
                 $crate::__run!(self, ($mesh $(, $argument)*), $($Variant $function),+)
             }
         }

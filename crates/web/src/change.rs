@@ -32,9 +32,9 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
     let denoiser = Denoiser::with(request.text_or("method", "automatic"), &request.values()?)?;
     let mesh = meshes.held(request, "mesh")?.surface()?;
     let Denoiser::Automatic(options) = denoiser else {
-        return moved(meshes, request, denoiser.denoise(&mesh)?, Value::Null);
+        return moved(meshes, request, denoiser.denoise(&*mesh)?, Value::Null);
     };
-    let found = automatic(&mesh, &options)?;
+    let found = automatic(&*mesh, &options)?;
     let kind = match found.kind {
         SurfaceKind::Creased => "creased",
         SurfaceKind::Smooth => "smooth",

@@ -2,27 +2,30 @@
 
 use std::path::Path;
 
+use fairing_denoising::{AutomaticOptions, Denoiser, Masked, automatic};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, VertexFields};
 use fairing_shapes as shapes;
 
 use crate::command_line::{refuse, run};
+
+fn noisy(mesh: &TriMesh, level: f64) -> TriMesh {
+    let level = NoiseLevel::EdgeLengths(level);
+    add_noise(mesh, NoiseKind::GaussianAlongNormals, level, 3).unwrap()
+}
 
 /// A noisy sphere whose upper half is selected.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let sphere = shapes::icosphere(2);
     let upper = sphere.positions().iter().map(|p| p[2].max(-0.5)).collect();
-    let noisy = fairing_evaluation::add_noise(
-        &sphere,
-        fairing_evaluation::NoiseKind::GaussianAlongNormals,
-        fairing_evaluation::NoiseLevel::EdgeLengths(0.2),
-        3,
-    );
+    let noisy = noisy(&sphere, 0.2);
     let fields = VertexFields::default()
         .with_scalar("upper", upper)
         .with_scalar("none", vec![0.0; sphere.vertex_count()]);
     let path = folder.path().join("sphere.ply");
-    io::write_with_fields(path, &noisy.unwrap(), &fields, &io::WriteOptions::default()).unwrap();
+    io::write_with_fields(path, &noisy, &fields, &io::WriteOptions::default()).unwrap();
     folder
 }
 
@@ -74,4 +77,73 @@ fn a_mask_names_a_property_that_selects_something() {
     assert!(said.contains("no field lower; the file has upper, none"), "{said}");
     let said = refuse(folder.path(), "noise sphere.ply -o out.ply --sigma 1 --where none", 2);
     assert!(said.contains("none is above zero at no vertex"), "{said}");
+}
+
+#[test]
+fn pins_of_denoisers_are_vertices_of_the_file() {
+    let folder = folder();
+    let command = "denoise sphere.ply -o out.ply --pin 3,7-9 --pin 80 --force -q";
+    run(folder.path(), command);
+    let read = |name| io::read(folder.path().join(name)).unwrap().mesh;
+    let (old, new) = (read("sphere.ply"), read("out.ply"));
+    let kept = |v: &usize| old.positions()[*v] == new.positions()[*v];
+    let kept: Vec<usize> = (0..old.vertex_count()).filter(kept).collect();
+    assert_eq!(kept, [3, 7, 8, 9, 80]);
+    let said = refuse(folder.path(), "denoise sphere.ply -o none.ply --pin 162", 2);
+    assert!(said.contains("--pin names vertex 162, but there are 162 vertices"), "{said}");
+}
+
+/// Fixed vertices keep their bits in every step, so that the result at the others is another one
+/// than without them, unless a method looks at the noisy mesh only. Without fixed vertices the
+/// result is that of the plain mesh.
+#[test]
+fn every_denoiser_holds_fixed_vertices() {
+    let input = noisy(&shapes::cad_block(0.2), 0.3);
+    let count = input.vertex_count();
+    // One half, and pins in the other.
+    let fixed: Vec<bool> =
+        (0..count).map(|v| v % 7 == 0 || input.positions()[v][0] < 0.0).collect();
+    let free = fixed.iter().filter(|fixed| !**fixed).count();
+    assert!(5 * free > count && 2 * free < count, "{free} of {count}");
+    for denoiser in Denoiser::all() {
+        let plain = denoiser.denoise(&input).unwrap();
+        let none = vec![false; count];
+        assert_eq!(denoiser.denoise(Masked::new(&input, &none).unwrap()).unwrap(), plain);
+        let part = denoiser.denoise(Masked::new(&input, &fixed).unwrap()).unwrap();
+        let (mut moved, mut elsewhere) = (0, 0);
+        for (v, &fixed) in fixed.iter().enumerate() {
+            let at = |mesh: &TriMesh| mesh.positions()[v].map(f64::to_bits);
+            assert!(!fixed || at(&part) == at(&input), "{denoiser}: vertex {v}");
+            moved += usize::from(at(&part) != at(&input));
+            elsewhere += usize::from(!fixed && at(&part) != at(&plain));
+        }
+        assert!(10 * moved > 9 * free, "{denoiser}: {moved} of {free}");
+        assert_eq!(elsewhere > 0, denoiser.name() != "non-iterative", "{denoiser}: {elsewhere}");
+    }
+    let error = Masked::new(&input, &[true]).unwrap_err().to_string();
+    assert!(error.contains("1, but must be the number of vertices"), "{error}");
+}
+
+/// On a sphere with noise at a fifth of the vertices, those are denoised as if all were noisy: the
+/// clean ones, which are fixed, do not lower the noise level.
+#[test]
+fn the_noise_of_a_selection_is_measured_there() {
+    let sphere = shapes::icosphere(4);
+    let rough = noisy(&sphere, 0.3);
+    let fixed: Vec<bool> = sphere.positions().iter().map(|p| p[2] < 0.6).collect();
+    let positions = (0..fixed.len())
+        .map(|v| if fixed[v] { sphere.positions()[v] } else { rough.positions()[v] });
+    let input = sphere.with_positions(positions.collect()).unwrap();
+    let masked = Masked::new(&input, &fixed).unwrap();
+    let result = automatic(masked, &AutomaticOptions::default()).unwrap();
+    let all = automatic(&rough, &AutomaticOptions::default()).unwrap();
+    let [sigma, expected] = [&result, &all].map(|found| found.noise.unwrap().sigma);
+    assert!((sigma / expected - 1.0).abs() < 0.15, "{sigma}, {expected}");
+    // Distances from the sphere.
+    let away = |mesh: &TriMesh| {
+        let free = (0..fixed.len()).filter(|v| !fixed[*v]).map(|v| mesh.positions()[v]);
+        free.map(|[x, y, z]| ((x * x + y * y + z * z).sqrt() - 1.0).powi(2)).sum::<f64>().sqrt()
+    };
+    let (before, after, usual) = (away(&input), away(&result.mesh), away(&all.mesh));
+    assert!(after < 0.4 * before && after < 1.3 * usual, "{before} to {after}, {usual}");
 }

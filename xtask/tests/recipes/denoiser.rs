@@ -2,6 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
+use crate::Masked;
 use crate::error::DenoiseError;
 
 fairing_parameters::options! {
@@ -21,6 +22,6 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// None.
-pub fn dummy(mesh: &TriMesh, _: &DummyOptions) -> Result<TriMesh, DenoiseError> {
-    Ok(mesh.clone())
+pub fn dummy<'a>(mesh: impl Into<Masked<'a>>, _: &DummyOptions) -> Result<TriMesh, DenoiseError> {
+    Ok(mesh.into().mesh().clone())
 }

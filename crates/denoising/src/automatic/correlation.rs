@@ -12,16 +12,16 @@ const HUB: usize = 32;
 /// The variance of positions across the surface, times the sum of their correlations: the
 /// variance of the mean of n positions is this over n.
 pub(super) fn variance_of_means(state: &State<'_>) -> f64 {
-    state.variance * correlation_sum(state.mesh, &displacements(state))
+    state.variance * correlation_sum(state.mesh(), &displacements(state))
 }
 
 /// The displacements of vertices from the surface, along its normals and times their trust.
 fn displacements(state: &State<'_>) -> Vec<f64> {
-    let mut up = vec![DVec3::ZERO; state.mesh.vertex_count()];
-    for (face, &n) in state.mesh.faces().iter().zip(&state.normals) {
+    let mut up = vec![DVec3::ZERO; state.mesh().vertex_count()];
+    for (face, &n) in state.mesh().faces().iter().zip(&state.normals) {
         face.iter().for_each(|&v| up[v as usize] += n);
     }
-    let positions = state.mesh.positions().iter().zip(state.surface.positions());
+    let positions = state.mesh().positions().iter().zip(state.surface.positions());
     (positions.zip(up).zip(&state.vertex_trust))
         .map(|(((&p, &x), n), t)| t * n.normalize_or_zero().dot(DVec3::from(p) - DVec3::from(x)))
         .collect()

@@ -359,7 +359,7 @@ fn across_sorted(state: &State<'_>, f: usize) -> [usize; 3] {
 /// at face `g`, root mean square, in noise levels.
 fn misfit(state: &State<'_>, f: usize, g: usize) -> f64 {
     let (n, anchor) = (state.normals[g], state.anchors[g]);
-    let squares = state.mesh.triangle(f).map(|p| n.dot(DVec3::from(p) - anchor).powi(2));
+    let squares = state.mesh().triangle(f).map(|p| n.dot(DVec3::from(p) - anchor).powi(2));
     let mean = (squares[0] + squares[1] + squares[2]) / 3.0;
     log2(mean.sqrt() / state.sigma + 0.1)
 }

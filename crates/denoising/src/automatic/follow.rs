@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::DenoiseError;
 use crate::faces::FaceLists;
+use crate::{DenoiseError, Masked};
 
 /// The least area of a face, as a fraction of the mean area around it.
 const MIN_FRACTION: f64 = 0.3;
@@ -19,7 +19,7 @@ const STIFFNESS: f64 = 4.0;
 
 /// The motion of the surface towards given normals.
 pub(super) struct Follow<'a> {
-    noisy: &'a TriMesh,
+    noisy: Masked<'a>,
     /// The area below which a face counts as folded.
     least: Vec<f64>,
     /// The largest distance from the noisy vertices.
@@ -53,7 +53,12 @@ impl<'a> Follow<'a> {
                 (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest)
             })
             .collect();
-        Self { noisy, least, limit }
+        Self { noisy: noisy.into(), least, limit }
+    }
+
+    /// The same motion, without the vertices that are fixed in `noisy`, the same mesh.
+    pub(super) fn with_fixed(self, noisy: Masked<'a>) -> Self {
+        Self { noisy, ..self }
     }
 
     /// Moves the vertices of the noisy mesh so that its faces get the normals
@@ -84,11 +89,12 @@ impl<'a> Follow<'a> {
             fairing_watch::check();
             positions = self.step(&positions, normals);
         }
-        Ok(self.noisy.with_positions(positions.iter().map(DVec3::to_array).collect())?)
+        Ok(self.noisy.mesh().with_positions(positions.iter().map(DVec3::to_array).collect())?)
     }
 
     fn step(&self, x: &[DVec3], normals: &[DVec3]) -> Vec<DVec3> {
-        let (incidence, faces) = (self.noisy.incidence(), self.noisy.faces());
+        let noisy = self.noisy.mesh();
+        let (incidence, faces) = (noisy.incidence(), noisy.faces());
         let aims: Vec<Aim> = (faces.par_iter().zip(normals).zip(&self.least))
             .map(|((face, &normal), &least)| {
                 let [a, b, c] = face.map(|v| x[v as usize]);
@@ -108,6 +114,9 @@ impl<'a> Follow<'a> {
         (0..x.len())
             .into_par_iter()
             .map(|v| {
+                if self.noisy.is_fixed(v) {
+                    return x[v];
+                }
                 let corners = incidence.corners(v as u32);
                 let (mut sum, mut count) = (DVec3::ZERO, 0u32);
                 let (mut open, mut folds) = (DVec3::ZERO, 0u32);
@@ -131,7 +140,7 @@ impl<'a> Follow<'a> {
                     let around = corners.iter().map(|&c| normals[c as usize / 3]);
                     y += within(around, open * (1.0 / f64::from(folds)));
                 }
-                hold(self.noisy.positions()[v].into(), y, self.limit)
+                hold(noisy.positions()[v].into(), y, self.limit)
             })
             .collect()
     }

@@ -27,7 +27,7 @@ use crate::faces::{FaceLists, Hinges};
 use crate::noise_level::{NoiseEstimate, noisy_parts};
 use crate::oriented::on_oriented;
 use crate::total_generalised_variation::filtered_normals;
-use crate::{DenoiseError, TotalGeneralisedVariationOptions};
+use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
 use correlation::variance_of_means;
 use follow::Follow;
 use model::Model;
@@ -206,27 +206,37 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 /// Source of the regression of normals in stages: [wang2016].
 ///
 /// [wang2016]: https://doi.org/10.1145/2980179.2980232
-pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic, DenoiseError> {
+pub fn automatic<'a>(
+    mesh: impl Into<Masked<'a>>,
+    options: &AutomaticOptions,
+) -> Result<Automatic, DenoiseError> {
     options.check()?;
     let mut noise = None;
     let mut approach = None;
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
-    let moved = on_oriented(mesh, |mesh| {
-        let groups = noisy_parts(mesh);
+    let moved = on_oriented(mesh.into(), |input| {
+        let mesh = input.mesh();
+        let groups = noisy_parts(input);
         noise = groups.first().map(|group| group.level);
         let uneven = uneven_parts(mesh, &groups);
         let parts = mesh.topology().components();
         let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
         uneven_vertices = (0..mesh.vertex_count() as u32).filter(is_uneven).count();
+        let mut may_move = vec![false; parts.count()];
+        for v in (0..mesh.vertex_count()).filter(|&v| !input.is_fixed(v)) {
+            if let Some(part) = parts.label(v as u32) {
+                may_move[part as usize] = true;
+            }
+        }
         let mut positions = mesh.positions().to_vec();
         for mut group in groups {
-            group.components.retain(|&part| !uneven[part as usize]);
+            group.components.retain(|&part| may_move[part as usize] && !uneven[part as usize]);
             if group.components.is_empty() {
                 continue;
             }
-            let part = Part::new(mesh, &group.components)?;
-            let (moved, farthest, taken) = denoise(&part.mesh, group.level, options.strength)?;
+            let part = Part::new(input, &group.components)?;
+            let (moved, farthest, taken) = denoise(part.masked()?, group.level, options.strength)?;
             part.put_back(&moved, &mut positions);
             limit = limit.max(farthest);
             approach = approach.or(taken);
@@ -247,23 +257,24 @@ pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic
 /// Denoises a mesh whose noise has one level; also the largest distance allowed, zero for a clean
 /// mesh, and the approach, if normals were changed.
 fn denoise(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     level: NoiseEstimate,
     strength: f64,
 ) -> Result<(TriMesh, f64, Option<Approach>), DenoiseError> {
-    if is_clean(mesh, level) {
-        return Ok((mesh.clone(), 0.0, None));
+    if is_clean(input.mesh(), level) {
+        return Ok((input.mesh().clone(), 0.0, None));
     }
     // Impulses are put into the planes of their neighbours.
-    let (mesh, mut level, farthest) = without_spikes(mesh, level)?;
+    let (mesh, mut level, farthest) = without_spikes(input, level)?;
     if is_clean(&mesh, level) {
         return Ok((mesh.into_owned(), farthest, None));
     }
+    let input = input.on(&mesh);
     let approach = approach_to(level, mesh.mean_edge_length());
     level.sigma *= strength;
     level.wide_sigma *= strength;
     let (normals, sigma, limit) = match approach {
-        Approach::Networks => regressed(&mesh, level)?,
+        Approach::Networks => regressed(input, level)?,
         Approach::TotalGeneralisedVariation => {
             let weight = WEIGHT * strength;
             let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
@@ -275,20 +286,25 @@ fn denoise(
     let rings = FaceLists::rings(&mesh);
     let follow = Follow::new(&mesh, &rings, sigma, limit);
     let normals = relabel(&mesh, &rings, normals, &follow)?;
+    let follow = follow.with_fixed(input);
     let surface = follow.run(mesh.positions(), &normals, STEPS)?;
     // Noise lies on both sides of the surface, and no face opposes its normal.
-    let surface = in_the_middle(&mesh, surface, &normals, limit)?;
+    let surface = in_the_middle(input, surface, &normals, limit)?;
     let surface = without_flips(&mesh, surface, &normals, &follow)?;
     Ok((surface, limit + farthest, Some(approach)))
 }
 
 /// The normals by the networks; the noise level and the largest displacement that the distance of
 /// the surface from the noisy mesh shows.
-fn regressed(mesh: &TriMesh, level: NoiseEstimate) -> Result<(Vec<DVec3>, f64, f64), DenoiseError> {
+fn regressed(
+    input: Masked<'_>,
+    level: NoiseEstimate,
+) -> Result<(Vec<DVec3>, f64, f64), DenoiseError> {
+    let mesh = input.mesh();
     // Normals in stages; after each the surface follows them.
     let model = Model::released().ok_or(DenoiseError::Model)?;
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
-    let mut state = State::new(mesh, level);
+    let mut state = State::new(input, level);
     for networks in &model.stages {
         advance(&mut state, networks)?;
     }

@@ -5,7 +5,7 @@ use fairing_operators::NormalEquations;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::DenoiseError;
+use crate::{DenoiseError, Masked};
 
 /// The weight of the mean normal of a vertex in the fit to its faces: without it a vertex whose
 /// faces are nearly parallel would slide along them.
@@ -22,17 +22,18 @@ const ROUNDS: usize = 3;
 ///
 /// All faces of a part move by the same distance along their `normals`, planes in parallel, as far
 /// as three or more faces at a corner allow. No vertex goes further than `limit`
-/// from where it was in the noisy mesh.
+/// from where it was in the noisy mesh, and a fixed one stays there.
 ///
 /// # Errors
 ///
 /// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn in_the_middle(
-    noisy: &TriMesh,
+    input: Masked<'_>,
     mut mesh: TriMesh,
     normals: &[DVec3],
     limit: f64,
 ) -> Result<TriMesh, DenoiseError> {
+    let noisy = input.mesh();
     let components = noisy.topology().components();
     let directions = directions(&mesh, normals);
     let closed = closed_parts(noisy);
@@ -45,7 +46,9 @@ pub(super) fn in_the_middle(
             let Some(part) = components.label(v as u32) else { continue };
             let sum = &mut sums[part as usize];
             sum[0] += areas[v].dot(DVec3::from(p) - DVec3::from(x));
-            sum[1] += areas[v].dot(directions[v]);
+            if !input.is_fixed(v) {
+                sum[1] += areas[v].dot(directions[v]);
+            }
         }
         let volumes = part_volumes(&mesh, noisy);
         for (part, sum) in sums.iter_mut().enumerate().filter(|(part, _)| closed[*part]) {
@@ -59,7 +62,7 @@ pub(super) fn in_the_middle(
                 let offset = part.map_or(0.0, |part| offsets[part as usize]);
                 let moved = DVec3::from(x) + offset * directions[v];
                 let far = moved.distance(noisy.positions()[v].into()) > limit;
-                if far { x } else { moved.to_array() }
+                if far || input.is_fixed(v) { x } else { moved.to_array() }
             })
             .collect();
         mesh = mesh.with_positions(positions)?;
@@ -158,7 +161,7 @@ mod tests {
 
     fn middle(noisy: &TriMesh, moved: TriMesh, limit: f64) -> TriMesh {
         let normals = FaceShapes::new(&moved).normals;
-        in_the_middle(noisy, moved, &normals, limit).unwrap()
+        in_the_middle(noisy.into(), moved, &normals, limit).unwrap()
     }
 
     /// A shrunken sphere gets its volume back, and a cube its corners, since all of its faces are

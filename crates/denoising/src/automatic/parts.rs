@@ -4,22 +4,27 @@ use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
 
-use crate::DenoiseError;
+use crate::{DenoiseError, Masked};
 
 /// A mesh of some of the parts, with vertices and faces in their order.
 pub(super) struct Part<'a> {
     pub(super) mesh: Cow<'a, TriMesh>,
     /// The vertex of the whole mesh that each vertex is.
     vertices: Vec<u32>,
+    /// A flag for each vertex.
+    fixed: Vec<bool>,
 }
 
 impl<'a> Part<'a> {
     /// The parts of these numbers, ascending; the whole mesh if these are all.
-    pub(super) fn new(whole: &'a TriMesh, components: &[u32]) -> Result<Self, DenoiseError> {
+    pub(super) fn new(input: Masked<'a>, components: &[u32]) -> Result<Self, DenoiseError> {
+        let whole = input.mesh();
+        let flags =
+            |vertices: &[u32]| vertices.iter().map(|&v| input.is_fixed(v as usize)).collect();
         let parts = whole.topology().components();
         if components.len() == parts.count() {
-            let vertices = (0..whole.vertex_count() as u32).collect();
-            return Ok(Self { mesh: Cow::Borrowed(whole), vertices });
+            let vertices: Vec<u32> = (0..whole.vertex_count() as u32).collect();
+            return Ok(Self { mesh: Cow::Borrowed(whole), fixed: flags(&vertices), vertices });
         }
         let mut number = vec![u32::MAX; whole.vertex_count()];
         let mut vertices = vec![];
@@ -33,7 +38,12 @@ impl<'a> Part<'a> {
         let faces = taken.filter(|face| face[0] != u32::MAX).collect();
         let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
         let mesh = Cow::Owned(TriMesh::new(positions, faces)?);
-        Ok(Self { mesh, vertices })
+        Ok(Self { mesh, fixed: flags(&vertices), vertices })
+    }
+
+    /// The mesh with its fixed vertices.
+    pub(super) fn masked(&self) -> Result<Masked<'_>, DenoiseError> {
+        Ok(Masked::new(&self.mesh, &self.fixed)?)
     }
 
     /// Writes the positions of a mesh with these vertices where they belong.
@@ -55,7 +65,7 @@ mod tests {
         // Three parts whose vertices alternate; vertex 9 is isolated.
         let faces = vec![[0, 3, 6], [1, 4, 7], [2, 5, 8], [10, 3, 0]];
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
-        let part = Part::new(&whole, &[0, 2]).unwrap();
+        let part = Part::new((&whole).into(), &[0, 2]).unwrap();
         assert_eq!(part.vertices, [0, 2, 3, 5, 6, 8, 10]);
         assert_eq!(part.mesh.faces(), [[0, 2, 4], [1, 3, 5], [6, 2, 0]]);
         assert_eq!(part.mesh.positions()[6], positions[10]);

@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-use crate::DenoiseError;
-use crate::noise_level::{NoiseEstimate, noise_level};
+use crate::noise_level::{NoiseEstimate, noisy_parts};
+use crate::{DenoiseError, Masked};
 
 /// The least height of a spike over its neighbours, in noise levels: higher than the impulses in
 /// the training data.
@@ -32,25 +32,28 @@ const ROUNDS: usize = 4;
 /// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise
 /// levels, above a quarter of their distance, and above three times the height of each neighbour
 /// on the same side: along creases and on curved surfaces neighbours are as high. Without noise
-/// there are no spikes.
+/// there are no spikes, and a fixed vertex is none.
 ///
 /// # Errors
 ///
 /// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_spikes(
-    mesh: &TriMesh,
+    input: Masked<'_>,
     mut level: NoiseEstimate,
 ) -> Result<(Cow<'_, TriMesh>, NoiseEstimate, f64), DenoiseError> {
+    let mesh = input.mesh();
     let (mut current, mut farthest) = (Cow::Borrowed(mesh), 0.0f64);
     if !level.is_impulsive() {
         return Ok((current, level, farthest));
     }
+    let free = (0..mesh.vertex_count()).filter(|&v| !input.is_fixed(v)).count();
     for round in 0..ROUNDS {
         let heights = heights(&current);
         let spikes: Vec<u32> = (0..current.vertex_count() as u32)
+            .filter(|&v| !input.is_fixed(v as usize))
             .filter(|&v| is_spike(&current, &heights, v, FAR * level.sigma))
             .collect();
-        let fraction = spikes.len() as f64 / current.vertex_count().max(1) as f64;
+        let fraction = spikes.len() as f64 / free.max(1) as f64;
         if spikes.is_empty() || (round == 0 && fraction < MIN_FRACTION) {
             break;
         }
@@ -62,8 +65,8 @@ pub(super) fn without_spikes(
             farthest = farthest.max(height.abs());
         }
         current = Cow::Owned(current.with_positions(positions)?);
-        match noise_level(&current) {
-            Some(next) => level = next,
+        match noisy_parts(input.on(&current)).first() {
+            Some(next) => level = next.level,
             None => level.sigma = 0.0,
         }
         if level.sigma <= 0.0 {
@@ -132,6 +135,7 @@ mod tests {
     use fairing_shapes as shapes;
 
     use super::*;
+    use crate::noise_level;
 
     /// Each 25th vertex of a sphere is lifted by an edge or more: they return to the surface, and
     /// nothing else moves.
@@ -147,7 +151,7 @@ mod tests {
         }
         let input = noisy.with_positions(positions).unwrap();
         let level = noise_level(&input).unwrap();
-        let (found, after, farthest) = without_spikes(&input, level).unwrap();
+        let (found, after, farthest) = without_spikes((&input).into(), level).unwrap();
         assert!(after.sigma < 0.5 * level.sigma + 0.05 * h, "{} {}", after.sigma, level.sigma);
         assert!((2.5 * h..4.0 * h).contains(&farthest), "{} h", farthest / h);
         let (mut back, mut all) = (0, 0);
@@ -173,7 +177,7 @@ mod tests {
                 let noisy = shapes::jittered(&truth, amount, 3, |p| p);
                 if let Some(mut level) = noise_level(&noisy) {
                     level.tail_ratio = 2.0;
-                    let (found, ..) = without_spikes(&noisy, level).unwrap();
+                    let (found, ..) = without_spikes((&noisy).into(), level).unwrap();
                     assert!(matches!(found, Cow::Borrowed(_)), "{amount}");
                 }
             }

@@ -32,7 +32,10 @@ struct Answer {
 /// [`DenoiseError::Build`] if coordinates overflow.
 pub fn advance(state: &mut State<'_>, networks: &[Network]) -> Result<(), DenoiseError> {
     let answers = answers(state, networks);
-    let residuals: Vec<[f64; 2]> = answers.iter().filter_map(|a| a.residuals).collect();
+    let residuals: Vec<[f64; 2]> = (answers.iter().zip(state.mesh().faces()))
+        .filter(|(_, face)| face.iter().any(|&v| !state.input.is_fixed(v as usize)))
+        .filter_map(|(answer, _)| answer.residuals)
+        .collect();
     (state.normals, state.anchors) = answers.into_iter().map(|a| (a.normal, a.anchor)).unzip();
     let sigma = state.sigma;
     state.follow()?;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::follow::Follow;
 use crate::faces::{FaceLists, FaceShapes, Hinges};
-use crate::{DenoiseError, NoiseEstimate};
+use crate::{DenoiseError, Masked, NoiseEstimate};
 
 /// Vertex steps between stages.
 const STEPS: usize = 15;
@@ -29,7 +29,7 @@ pub(super) const QUANTILES: usize = 4;
 /// A mesh between two stages.
 pub struct State<'a> {
     /// The noisy mesh.
-    pub(super) mesh: &'a TriMesh,
+    pub(super) input: Masked<'a>,
     pub(super) hinges: Hinges,
     pub(super) rings: FaceLists,
     /// The noise of the mesh, estimated before the first stage.
@@ -73,7 +73,9 @@ pub struct State<'a> {
 impl<'a> State<'a> {
     /// The state before the first stage: normals are the means of the noisy area vectors around
     /// each face.
-    pub fn new(mesh: &'a TriMesh, level: NoiseEstimate) -> Self {
+    pub fn new(input: impl Into<Masked<'a>>, level: NoiseEstimate) -> Self {
+        let input = input.into();
+        let mesh = input.mesh();
         let rings = FaceLists::rings(mesh);
         let noisy = FaceShapes::new(mesh);
         let vector = |f: usize| noisy.areas[f] * noisy.normals[f];
@@ -85,7 +87,7 @@ impl<'a> State<'a> {
             })
             .collect();
         let mut state = Self {
-            mesh,
+            input,
             hinges: Hinges::new(mesh),
             level,
             h: mesh.mean_edge_length(),
@@ -111,40 +113,48 @@ impl<'a> State<'a> {
         state
     }
 
+    /// The noisy mesh.
+    pub(super) fn mesh(&self) -> &'a TriMesh {
+        self.input.mesh()
+    }
+
     /// The present normal of each face; zero for a face without one.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
 
     /// The way of vertices to the present normals, none further than `limit` from its noisy
-    /// position.
+    /// position. Fixed vertices move as well: the surface is an estimate of the true one.
     pub(super) fn follower(&self, limit: f64) -> Follow<'a> {
-        Follow::new(self.mesh, &self.rings, self.limit / FAR, limit)
+        Follow::new(self.mesh(), &self.rings, self.limit / FAR, limit)
     }
 
     /// The surface follows the normals; the noise level, the trust in positions and the scales
-    /// are those that its distance from the noisy mesh shows.
+    /// are those that its distance from the noisy mesh shows, at the vertices that may move.
     ///
     /// # Errors
     ///
     /// [`DenoiseError::Build`] if coordinates overflow.
     pub(super) fn follow(&mut self) -> Result<(), DenoiseError> {
-        let noisy = self.mesh.positions();
+        let noisy = self.mesh().positions();
         let surface = self.follower(f64::INFINITY).run(noisy, &self.normals, STEPS)?;
         let moved: Vec<f64> = noisy
             .iter()
             .zip(surface.positions())
             .map(|(&p, &x)| DVec3::from(p).distance(x.into()))
             .collect();
-        let usual = median(moved.clone());
+        let free: Vec<usize> = (0..moved.len()).filter(|&v| !self.input.is_fixed(v)).collect();
+        let distances: Vec<f64> = free.iter().map(|&v| moved[v]).collect();
+        let usual = median(distances.clone());
         self.excess = usual / self.level.sigma;
         self.sigma = self.level.sigma.max(usual);
         let scale = 1.0 / (TRUST * self.sigma);
         let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
-        let squares: f64 = moved.iter().zip(&trust).map(|(d, t)| t * d * d).sum();
-        self.variance = squares / trust.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        self.limit = FAR * self.sigma.max(root_mean_square(&moved));
-        self.trust = (self.mesh.faces().iter())
+        let squares: f64 = free.iter().map(|&v| trust[v] * moved[v] * moved[v]).sum();
+        let total: f64 = free.iter().map(|&v| trust[v]).sum();
+        self.variance = squares / total.max(f64::MIN_POSITIVE);
+        self.limit = FAR * self.sigma.max(root_mean_square(&distances));
+        self.trust = (self.mesh().faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
         self.vertex_trust = trust;

@@ -9,9 +9,9 @@ use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_r
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::DenoiseError;
 use crate::faces::{FaceShapes, Hinges};
 use crate::oriented::on_oriented;
+use crate::{DenoiseError, Masked};
 use stencils::{Stencils, combine};
 use system::System;
 
@@ -69,11 +69,12 @@ fairing_parameters::options! {
 ///
 /// [he2013]: https://doi.org/10.1145/2461912.2461965
 #[doc(alias = "l0_minimization")]
-pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
-    on_oriented(mesh, |mesh| filter(mesh, options))
+pub fn l0<'a>(mesh: impl Into<Masked<'a>>, options: &L0Options) -> Result<TriMesh, DenoiseError> {
+    on_oriented(mesh.into(), |mesh| filter(mesh, options))
 }
 
-fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
+fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
     options.check()?;
     let hinges = Hinges::new(mesh);
     if hinges.all.is_empty() {
@@ -99,6 +100,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let centre = sum * (1.0 / mesh.vertex_count() as f64);
     let noisy: Vec<[f64; 3]> =
         mesh.positions().iter().map(|&p| (DVec3::from(p) - centre).to_array()).collect();
+    // Fixed vertices are known: the equation of each is x = p*, and no direction moves it.
     let mut positions = noisy.clone();
     let mut system = System::new(&stencils);
     let mut beta = 1e-3;
@@ -117,17 +119,24 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
             })
             .collect();
         let b = stencils.transpose(&weights, &delta);
-        let b: Vec<[f64; 3]> =
-            noisy.iter().zip(&b).map(|(&p, d)| (DVec3::from(p) + beta * d).to_array()).collect();
+        let b: Vec<[f64; 3]> = (noisy.iter().zip(&b).enumerate())
+            .map(|(v, (&p, &d))| match input.is_fixed(v) {
+                true => p,
+                false => (DVec3::from(p) + beta * d).to_array(),
+            })
+            .collect();
         system.fill(&weights, beta, alpha);
         let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
-            product_by_rows(p, q, |v| system.row(v, p))
+            product_by_rows(p, q, |v| if input.is_fixed(v) { p[v] } else { system.row(v, p) })
         });
         positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).0.x;
         beta *= options.growth;
         alpha *= 0.5;
         fairing_watch::advance(1);
     }
-    let moved = positions.into_iter().map(|p| (DVec3::from(p) + centre).to_array());
+    let moved = positions.into_iter().enumerate().map(|(v, p)| match input.is_fixed(v) {
+        true => mesh.positions()[v],
+        false => (DVec3::from(p) + centre).to_array(),
+    });
     Ok(mesh.with_positions(moved.collect())?)
 }

@@ -4,16 +4,18 @@ use std::path::Path;
 
 use clap::Args;
 use fairing::denoising::{
-    Approach, Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic,
+    Approach, Automatic, AutomaticOptions, Denoiser, FaceKind, Masked, SurfaceKind, automatic,
 };
+use fairing::mesh::io::VertexFields;
+use fairing::parameters::{Kind, Value as Given};
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
-use super::mask::{Mask, keep_others};
+use super::mask::Mask;
 use super::parameters::{Parameters, list, names};
-use super::surface::{Reading, say_orientation};
+use super::surface::{Reading, Surface, say_orientation};
 use super::table::number;
 
 const EXAMPLES: &str = "\
@@ -21,6 +23,7 @@ Examples:
   fairing denoise scan.ply -o clean.ply
   fairing denoise part.obj -o clean.obj --json
   fairing denoise scan.ply -o smoother.ply --strength 2
+  fairing denoise scan.ply -o clean.ply --where noisy --pin 12,40-59
   fairing denoise part.obj -o clean.obj --method guided-normal --iterations 30";
 
 const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
@@ -43,6 +46,9 @@ pub(crate) struct Denoise {
     output: Output,
     #[command(flatten)]
     mask: Mask,
+    /// Fixed vertices: numbers from 0 and ranges such as 10-19, separated by commas
+    #[arg(long, value_name = "LIST", value_parser = vertices)]
+    pin: Vec<Given>,
     /// Denoiser; --list describes each
     #[arg(
         long,
@@ -58,6 +64,11 @@ pub(crate) struct Denoise {
     list: bool,
     #[command(flatten)]
     summary: Summary,
+}
+
+/// Reads a list of vertices.
+fn vertices(text: &str) -> Result<Given, String> {
+    Kind::Vertices.read(text.into()).map_err(|expected| format!("it must be {expected}"))
 }
 
 impl Denoise {
@@ -86,10 +97,11 @@ impl Denoise {
         let mut json = Value::Null;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
-        let selected = self.mask.of(context, input, &surface, &fields)?;
+        let fixed = self.fixed(context, input, &surface, &fields)?;
+        let masked = Masked::new(surface.mesh(), &fixed).map_err(Failure::usage)?;
         let mesh = match denoiser {
             Denoiser::Automatic(options) => {
-                let result = automatic(surface.mesh(), options)?;
+                let result = automatic(masked, options)?;
                 context.note(summary(&result));
                 if result.uneven_vertices > 0 {
                     context.note(format_args!(
@@ -104,11 +116,37 @@ impl Denoise {
                 }
                 result.mesh
             }
-            other => other.denoise(surface.mesh())?,
+            other => other.denoise(masked)?,
         };
-        let mesh = keep_others(surface.mesh(), mesh, selected.as_deref())?;
         files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
         Ok(json)
+    }
+
+    /// A flag for each vertex computed on, true for those that do not move.
+    fn fixed(
+        &self,
+        context: &Context,
+        input: &Path,
+        surface: &Surface,
+        fields: &VertexFields,
+    ) -> Result<Vec<bool>, Failure> {
+        let selected = self.mask.of(context, input, surface, fields)?;
+        let selected = selected.unwrap_or_else(|| vec![true; surface.mesh().vertex_count()]);
+        let mut fixed: Vec<bool> = selected.iter().map(|selected| !selected).collect();
+        let count = surface.own.vertex_count();
+        for list in &self.pin {
+            let Given::Vertices(vertices) = list else { continue };
+            for &v in vertices {
+                if v as usize >= count {
+                    let file = input.display();
+                    return Err(Failure::usage(format_args!(
+                        "{file}: --pin names vertex {v}, but there are {count} vertices"
+                    )));
+                }
+                fixed[surface.number(v) as usize] = true;
+            }
+        }
+        Ok(fixed)
     }
 }
 

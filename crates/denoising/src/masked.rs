@@ -1,0 +1,72 @@
+//! Meshes with fixed vertices.
+
+use fairing_mesh::TriMesh;
+use fairing_parameters::OptionError;
+
+/// A mesh, and the vertices of it that a denoiser does not move.
+///
+/// Every denoiser takes it in place of a plain mesh, all of whose vertices may move. Fixed vertices
+/// keep the bits of their positions in every step. They still count as noisy: the normals of their
+/// faces are estimated like all others, and the vertices beside them move towards these. The noise
+/// level is measured at the vertices that may move, and so is the distance of the result from the
+/// noisy mesh.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_denoising::{Denoiser, Masked};
+///
+/// let noisy = fairing_shapes::jittered(&fairing_shapes::icosphere(3), 0.1, 7, |p| p);
+/// let below: Vec<bool> = noisy.positions().iter().map(|p| p[2] < 0.0).collect();
+/// let half = Denoiser::by_name("guided-normal")?.denoise(Masked::new(&noisy, &below)?)?;
+/// for (v, &fixed) in below.iter().enumerate() {
+///     assert_eq!(half.positions()[v] == noisy.positions()[v], fixed);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Masked<'a> {
+    mesh: &'a TriMesh,
+    /// A flag for each vertex; empty if none is fixed.
+    fixed: &'a [bool],
+}
+
+impl<'a> Masked<'a> {
+    /// A mesh with a flag for each vertex, `true` for a fixed one.
+    ///
+    /// # Errors
+    ///
+    /// [`OptionError`] if there is not one flag per vertex.
+    pub fn new(mesh: &'a TriMesh, fixed: &'a [bool]) -> Result<Self, OptionError> {
+        let one_each = fixed.len() == mesh.vertex_count();
+        let (count, expected) = (fixed.len() as f64, "the number of vertices");
+        OptionError::require(one_each, "number of flags of fixed vertices", count, expected)?;
+        Ok(Self { mesh, fixed })
+    }
+
+    /// The mesh.
+    pub fn mesh(self) -> &'a TriMesh {
+        self.mesh
+    }
+
+    /// Returns `true` if vertex `v` is fixed.
+    #[inline]
+    pub fn is_fixed(self, v: usize) -> bool {
+        self.fixed.get(v) == Some(&true)
+    }
+
+    /// Another mesh of the same vertices, with these fixed.
+    pub(crate) fn on<'b>(self, mesh: &'b TriMesh) -> Masked<'b>
+    where
+        'a: 'b,
+    {
+        Masked { mesh, fixed: self.fixed }
+    }
+}
+
+/// A mesh without fixed vertices.
+impl<'a> From<&'a TriMesh> for Masked<'a> {
+    fn from(mesh: &'a TriMesh) -> Self {
+        Self { mesh, fixed: &[] }
+    }
+}
