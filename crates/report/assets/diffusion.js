@@ -160,7 +160,7 @@ Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') 
 
   async prepare() {
     const mesh = await Computing.add(this.positions, this.faces);
-    const {value} = await Computing.call({verb: 'info', mesh});
+    const {value} = await Computing.call({verb: 'info', mesh, roughest: true});
     Object.assign(this, {mesh, roughest: -value.roughest_eigenvalue});
   }
 

@@ -76,7 +76,7 @@ class LiveFlows {
   async prepare() {
     this.mesh = await Computing.add(this.input, this.faces);
     if (this.truth) this.reference = await Computing.add(this.truth, this.faces);
-    const {value} = await Computing.call({verb: 'info', mesh: this.mesh});
+    const {value} = await Computing.call({verb: 'info', mesh: this.mesh, roughest: true});
     this.roughest = -value.roughest_eigenvalue;
   }
 

@@ -38,14 +38,22 @@ export class Client {
     });
   }
 
-  /** Positions, faces and normals of a mesh, of which the page keeps a copy until `drop`. */
+  /** Positions, faces and normals of a mesh, of which the page keeps a copy with all fields until `drop`. */
   async mesh(number) {
     const known = this.#held.get(number);
     if (known) return known;
     const {arrays} = await this.call({verb: 'mesh', mesh: number});
     const held = {...arrays, fields: new Map()};
     this.#held.set(number, held);
+    await this.keepOthers(number);
     return held;
+  }
+
+  /** Copies the fields of a mesh that are not scalars of vertices: once for a mesh, and after a request that sets some. */
+  async keepOthers(number) {
+    const {value, arrays} = await this.call({verb: 'others', mesh: number});
+    const held = this.#held.get(number);
+    if (held) held.others = {list: value.fields, bytes: arrays.bytes};
   }
 
   /** Gives a mesh that the page has made to the module, and keeps it until `drop`; the answer is its number. */
@@ -107,8 +115,8 @@ export class Client {
 }
 
 /** The request that hands a mesh with its fields over, and its bytes. */
-function adoption({positions, faces, fields}) {
-  const parts = [positions, faces, ...fields.values()];
+function adoption({positions, faces, fields, others = {list: [], bytes: new Uint8Array()}}) {
+  const parts = [positions, faces, ...fields.values(), others.bytes];
   const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.byteLength, 0));
   let at = 0;
   for (const part of parts) {
@@ -116,5 +124,6 @@ function adoption({positions, faces, fields}) {
     at += part.byteLength;
   }
   const counts = {vertices: positions.length / 3, faces: faces.length / 3};
-  return [{verb: 'adopt', ...counts, fields: [...fields.keys()]}, {bytes}];
+  const list = [...[...fields.keys()].map((name) => ['scalar', name]), ...others.list];
+  return [{verb: 'adopt', ...counts, fields: list}, {bytes}];
 }

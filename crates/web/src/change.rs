@@ -78,21 +78,46 @@ pub(crate) fn reconstruct(meshes: &mut Meshes, request: &Request<'_>) -> Result<
     moved(meshes, request, rebuilt.mesh, report)
 }
 
-/// Keeps a mesh with the faces of `mesh`, and with its fields except normals.
+/// Keeps a mesh with the faces of `mesh`, and with those of its fields that fit other positions.
 fn moved(
     meshes: &mut Meshes,
     request: &Request<'_>,
     mesh: TriMesh,
     report: Value,
 ) -> Result<Answer> {
-    let fields = meshes.held(request, "mesh")?.fields.clone().without_normals();
-    Ok(meshes.keep(mesh, fields, report))
+    let fields = meshes.held(request, "mesh")?.fields.clone();
+    let (fields, dropped) = without(fields, |name| name == "normal" || values::is_computed(name));
+    Ok(kept(meshes, mesh, fields.without_normals(), dropped, report))
+}
+
+/// The fields of vertices whose names do not satisfy a condition, and the names of the others.
+fn without(mut fields: VertexFields, drop: fn(&str) -> bool) -> (VertexFields, Vec<String>) {
+    let names = fields.scalars.iter().map(|(name, _)| name);
+    let names = names.chain(fields.vectors.iter().map(|(name, _)| name));
+    let dropped = names.filter(|name| drop(name)).cloned().collect();
+    fields.scalars.retain(|(name, _)| !drop(name));
+    fields.vectors.retain(|(name, _)| !drop(name));
+    (fields, dropped)
+}
+
+/// Keeps a mesh; the answer names the fields that were `dropped`.
+fn kept(
+    meshes: &mut Meshes,
+    mesh: TriMesh,
+    fields: VertexFields,
+    dropped: Vec<String>,
+    report: Value,
+) -> Answer {
+    let mut answer = meshes.keep(mesh, fields, report);
+    answer.value["dropped"] = json!(dropped);
+    answer
 }
 
 /// `mesh` with its defects mended.
 pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let task = RepairTask::with("repair", &request.values()?)?.unwrap_or_default();
-    let mesh = Arc::clone(&meshes.held(request, "mesh")?.mesh);
+    let held = meshes.held(request, "mesh")?;
+    let (mesh, fields) = (Arc::clone(&held.mesh), held.fields.clone());
     let options = RepairOptions {
         tolerance: task.tolerance,
         smallest_component: task.components,
@@ -108,11 +133,68 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
     let counts: Map<String, Value> =
         counts.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect();
     let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts });
-    let sources = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
-    let fields = VertexFields::default().with_scalar("source", sources);
+    let (fields, dropped) = match repaired.is_unchanged() {
+        true => (fields, vec![]),
+        false => without(fields, values::is_computed),
+    };
+    let fields = repaired.carried(&mesh, fields);
     let mesh = match repaired.patch_vertices() {
         patch if patch.is_empty() => repaired.mesh,
         patch => fair_region(&repaired.mesh, &FairRegion::new(patch))?.mesh,
     };
-    Ok(meshes.keep(mesh, fields, report))
+    Ok(kept(meshes, mesh, fields, dropped, report))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use crate::Session;
+
+    fn ask(session: &mut Session, request: &str, bytes: &[u8]) -> Value {
+        session.call(request.as_bytes(), bytes).unwrap().value
+    }
+
+    const PLY: &[u8] = b"ply
+format ascii 1.0
+element vertex 5
+property double x
+property double y
+property double z
+property double nx
+property double ny
+property double nz
+property double height
+property double distance
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 1 0 0 1 5 0
+1 0 0 0 0 1 4 1
+0 1 0 0 0 1 3 2
+-1 0 0 0 0 1 2 3
+0 -1 0 0 0 1 1 4
+3 0 1 2
+3 0 2 3
+3 0 3 4
+3 0 4 1
+";
+
+    /// The fields of a file stay, except those that describe positions.
+    #[test]
+    fn moved_vertices_have_no_fields_of_other_positions() {
+        let mut session = Session::new();
+        ask(&mut session, r#"{"verb": "read", "name": "a.ply"}"#, PLY);
+        ask(&mut session, r#"{"verb": "curvature", "mesh": 1, "method": "jet3"}"#, &[]);
+        let moved = ask(&mut session, r#"{"verb": "smooth", "mesh": 1}"#, &[]);
+        assert_eq!(moved["fields"], serde_json::json!(["height"]));
+        let dropped = moved["dropped"].to_string();
+        for name in ["mean", "kappa2", "distance", "normal", "direction1"] {
+            assert!(dropped.contains(&format!("\"{name}\"")), "{name} is not in {dropped}");
+        }
+        let repaired = ask(&mut session, r#"{"verb": "repair", "mesh": 1}"#, &[]);
+        let names = repaired["fields"].to_string();
+        assert!(names.contains("mean") && names.contains("source"), "{names}");
+        assert_eq!(repaired["dropped"], serde_json::json!([]));
+    }
 }

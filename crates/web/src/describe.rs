@@ -13,15 +13,17 @@ use crate::meshes::{Meshes, names};
 use crate::request::Request;
 use crate::tasks::CompareOptions;
 
-/// Counts, topology, defects and measures of `mesh`, the sum of its angle defects, and the largest
-/// eigenvalue of −L with uniform weights, null if there is none.
+/// Counts, topology, defects and measures of `mesh`, and the sum of its angle defects; with
+/// `roughest` also the largest eigenvalue of −L with uniform weights, null if there is none.
 pub(crate) fn info(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let held = meshes.held(request, "mesh")?;
     let mut value = serde_json::to_value(Diagnosis::new(&held.mesh))?;
     value["fields"] = json!(names(&held.fields));
     value["total_curvature"] = json!(angle_defect(&held.mesh).iter().sum::<f64>());
-    let roughest = largest_eigenvalue(&held.mesh, Diffusion::uniform(1.0));
-    value["roughest_eigenvalue"] = json!(roughest.ok());
+    if request.flag("roughest") {
+        let roughest = largest_eigenvalue(&held.mesh, Diffusion::uniform(1.0));
+        value["roughest_eigenvalue"] = json!(roughest.ok());
+    }
     Ok(value.into())
 }
 

@@ -1,4 +1,5 @@
-//! Verbs that read and write: `sample`, `read`, `write`, `adopt`, `mesh` and `field`.
+//! Verbs that read and write: `sample`, `read`, `write`, `losses`, `adopt`, `others`, `mesh` and
+//! `field`.
 
 use std::sync::Arc;
 
@@ -6,12 +7,12 @@ use anyhow::{Context as _, Result, ensure};
 use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, Format, MeshFile, ReadOptions, VertexFields, WriteOptions};
 use fairing_operators::vertex_normals;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::answer::{Answer, Array};
 use crate::meshes::{Meshes, names};
 use crate::request::Request;
-use crate::sample;
+use crate::{parts, sample};
 
 /// A mesh made by formula: `name`.
 pub(crate) fn sample(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
@@ -41,24 +42,27 @@ pub(crate) fn write(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     Ok(Answer::from(Value::Null).with("bytes", Array::Bytes(bytes)))
 }
 
-/// A mesh of the page or of an earlier session: the bytes are its positions, faces and scalar
-/// fields, in this order; `vertices`, `faces` and `fields` are counts and names, `mesh` the number
-/// that it had.
+/// For each format, by its extension, the fields of `mesh` that it does not hold.
+pub(crate) fn losses(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let fields = &meshes.held(request, "mesh")?.fields;
+    let losses = Format::ALL
+        .map(|format| (format.extensions()[0].to_owned(), json!(io::unsupported(format, fields))));
+    Ok(Value::Object(Map::from_iter(losses)).into())
+}
+
+/// A mesh of the page or of an earlier session: the bytes are its positions, faces and fields, in
+/// this order; `vertices` and `faces` are counts, `fields` a list as in [`parts`], and `mesh` the
+/// number that it had.
 pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let [vertices, faces] = [request.number("vertices")?, request.number("faces")?];
-    let [vertices, faces] = [vertices as usize, faces as usize];
-    let names = request.texts("fields")?;
-    let (wanted, found) = (vertices * (24 + 8 * names.len()) + 12 * faces, request.bytes.len());
-    ensure!(found == wanted, "{found} bytes for a mesh that has {wanted}");
-    let (positions, rest) = request.bytes.split_at(24 * vertices);
-    let (corners, scalars) = rest.split_at(12 * faces);
-    let corners: Vec<u32> =
-        corners.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
-    let mesh = TriMesh::from_flat(&numbers(positions), &corners)?;
-    let mut fields = VertexFields::default();
-    for (name, values) in names.iter().zip(scalars.chunks_exact((8 * vertices).max(1))) {
-        fields = fields.with_scalar(*name, numbers(values));
-    }
+    let fields = request.list("fields");
+    let wanted = parts::size(vertices, faces, fields)?;
+    let found = request.bytes.len();
+    ensure!(found as u64 == wanted, "{found} bytes for a mesh that has {wanted}");
+    let (positions, rest) = request.bytes.split_at(24 * vertices as usize);
+    let (corners, rest) = rest.split_at(12 * faces as usize);
+    let mesh = TriMesh::from_flat(&parts::numbers(positions), &parts::integers(corners))?;
+    let fields = parts::unpacked(rest, vertices, faces, fields)?;
     if !request.has("mesh") {
         return Ok(meshes.keep(mesh, fields, Value::Null));
     }
@@ -66,8 +70,11 @@ pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     Ok(Value::Null.into())
 }
 
-fn numbers(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+/// The fields of `mesh` that are not scalars of vertices: `fields`, a list as `adopt` takes it,
+/// and the `bytes` that belong to it.
+pub(crate) fn others(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let (fields, bytes) = parts::packed(&meshes.held(request, "mesh")?.fields);
+    Ok(Answer::from(json!({ "fields": fields })).with("bytes", Array::Bytes(bytes)))
 }
 
 /// Positions, faces and vertex normals of `mesh`.

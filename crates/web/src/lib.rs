@@ -14,6 +14,7 @@ mod file;
 #[cfg(target_arch = "wasm32")]
 mod memory;
 mod meshes;
+mod parts;
 mod request;
 mod sample;
 mod session;

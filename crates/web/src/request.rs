@@ -43,11 +43,9 @@ impl<'a> Request<'a> {
         number.ok_or_else(|| anyhow!("the request has no whole number {name:?}"))
     }
 
-    /// A list of texts.
-    pub(crate) fn texts(&self, name: &str) -> Result<Vec<&str>> {
-        let list = self.object[name].as_array().into_iter().flatten();
-        let texts: Option<Vec<&str>> = list.map(Json::as_str).collect();
-        texts.ok_or_else(|| anyhow!("{name} of the request must be texts"))
+    /// A list; empty if it is absent.
+    pub(crate) fn list(&self, name: &str) -> &[Json] {
+        self.object[name].as_array().map_or(&[], Vec::as_slice)
     }
 
     /// The values of parameters, by name: numbers, text as on the command line, or lists of

@@ -33,7 +33,9 @@ impl Session {
             "sample" => file::sample(meshes, &request),
             "read" => file::read(meshes, &request),
             "write" => file::write(meshes, &request),
+            "losses" => file::losses(meshes, &request),
             "adopt" => file::adopt(meshes, &request),
+            "others" => file::others(meshes, &request),
             "mesh" => file::mesh(meshes, &request),
             "field" => file::field(meshes, &request),
             "drop" => {

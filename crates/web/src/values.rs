@@ -17,6 +17,26 @@ use crate::meshes::{Held, Meshes, names};
 use crate::request::Request;
 use crate::tasks::{BoundaryCondition, DistanceOptions, SpectrumTask};
 
+/// The fields that the verbs here set. They describe the positions for which they were computed.
+const COMPUTED: [&str; 10] = [
+    "mean",
+    "gaussian",
+    "kappa1",
+    "kappa2",
+    "defined",
+    "boundary",
+    "direction1",
+    "direction2",
+    "distance",
+    "mode",
+];
+
+/// Returns true for the name of a field that the verbs here set, or set before it went through a
+/// file.
+pub(crate) fn is_computed(name: &str) -> bool {
+    COMPUTED.contains(&name)
+}
+
 /// Curvature of `mesh` by the estimator `method`: its fields mean, gaussian, kappa1, kappa2,
 /// defined and boundary, and the principal directions if the estimator has them.
 pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use fairing::mesh::io::VertexFields;
 use fairing::mesh::{RepairError, RepairOptions, RepairStep, Repaired, TriMesh};
 use fairing::smoothing::repair_fair;
 use serde_json::{Map, Value, json};
@@ -145,22 +144,10 @@ impl Repair {
             }
         };
         let Some(output) = &output else { return Ok(summary) };
-        let fields = carried(&file.mesh, &repaired, file.fields);
+        let fields = repaired.carried(&file.mesh, file.fields);
         files::write_held(context, output, &repaired.mesh, &fields)?;
         Ok(summary)
     }
-}
-
-/// The properties of the input at the vertices and faces of the result; in the patch of a hole
-/// those nearby, ring by ring. Normals are left out if the surface has changed.
-fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> VertexFields {
-    let mut fields = if repaired.changes_normals() { fields.without_normals() } else { fields };
-    fields.scalars.retain(|(name, _)| name != "source");
-    let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
-    let vertices = repaired.nearest_sources();
-    let corners = repaired.nearest_corners(input);
-    let faces: Vec<usize> = corners.iter().step_by(3).map(|corner| corner / 3).collect();
-    fields.selected(&vertices, &faces, corners).with_scalar("source", source)
 }
 
 const WORDS: [(RepairStep, &str); 10] = [

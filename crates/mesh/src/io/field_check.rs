@@ -119,8 +119,8 @@ fn check_names(
     Ok(())
 }
 
-/// The fields that a format cannot hold.
-pub(crate) fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
+/// The fields and colours of `fields` that files of a format do not hold, by name.
+pub fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
     let holds = format.holds();
     let mut unsupported = Vec::new();
     if !holds.fields {

@@ -73,6 +73,7 @@ mod width;
 mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
+pub use field_check::unsupported;
 pub use fields::{FaceFields, VertexFields};
 pub use format::{Format, NamedFormat};
 pub use number_type::NumberType;

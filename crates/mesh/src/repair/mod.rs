@@ -17,6 +17,7 @@ use fairing_watch as watch;
 
 use crate::TriMesh;
 use crate::build::{BuildError, check_positions};
+use crate::io::VertexFields;
 
 /// The most rounds; steps that still undo each other after that many end there. A tolerance in mean
 /// edges takes the most: the mean edge grows as vertices are merged.
@@ -242,6 +243,23 @@ impl Repaired {
             })
         });
         corners.collect()
+    }
+
+    /// The fields of `input`, the mesh that was repaired, at the vertices and faces of the result,
+    /// with those nearby in the patches of holes, and without normals that no longer fit. The
+    /// field `source` is the vertex of the input, −1 in the patch of a hole.
+    ///
+    /// # Panics
+    ///
+    /// If the fields are not those of `input`.
+    pub fn carried(&self, input: &TriMesh, fields: VertexFields) -> VertexFields {
+        let mut fields = if self.changes_normals() { fields.without_normals() } else { fields };
+        fields.scalars.retain(|(name, _)| name != "source");
+        let source = self.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
+        let vertices = self.nearest_sources();
+        let corners = self.nearest_corners(input);
+        let faces: Vec<usize> = corners.iter().step_by(3).map(|corner| corner / 3).collect();
+        fields.selected(&vertices, &faces, corners).with_scalar("source", source)
     }
 
     /// True if normals of the input no longer fit: vertices were merged, faces flipped or

@@ -1,10 +1,13 @@
 import {clientOfPage} from '../../../web/assets/page.mjs';
 import {Panel} from './panel.mjs';
 import {link, linked, python, rust, shell, stem} from './programs.mjs';
+import {CURVATURE, labelled, leftOut, measured, reported} from './words.mjs';
 import {Viewer} from '../../../figure/viewer/viewer.mjs';
 
 /** Requests of tasks that only add fields to a mesh; all others make a new one. */
 const FIELDS = {curvature: 'mean', distance: 'distance', spectrum: 'mode'};
+/** Milliseconds within which a task is run again without being asked for. */
+const QUICK = 500;
 const TITLES = {
   curvature: 'Curvature',
   smooth: 'Smooth',
@@ -30,7 +33,7 @@ class Laboratory {
     this.panels = {};
     this.task = 'curvature';
     this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
-    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex));
+    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), labelled);
     this.build();
   }
 
@@ -41,7 +44,12 @@ class Laboratory {
       button.addEventListener('click', () => this.sample(name));
       part.samples.append(button, ' ');
     }
-    part.file.addEventListener('change', () => this.read(part.file.files[0]));
+    part.file.addEventListener('change', () => {
+      const [file] = part.file.files;
+      // Otherwise a file that has changed could not be opened again.
+      part.file.value = '';
+      this.read(file);
+    });
     document.addEventListener('dragover', (e) => e.preventDefault());
     document.addEventListener('drop', (e) => {
       e.preventDefault();
@@ -65,7 +73,8 @@ class Laboratory {
       button.addEventListener('click', () => this.turnTo(task));
       part.tasks.append(button);
     }
-    for (const {name, extensions} of tables.formats) part.format.append(element('option', {value: extensions[0]}, name));
+    for (const {name, extensions: [value]} of tables.formats) part.format.append(element('option', {value, selected: value === 'ply'}, name));
+    part.format.addEventListener('input', () => this.settle());
     part.run.addEventListener('click', () => this.run(false));
     part.add.addEventListener('click', () => this.run(true));
     part.cancel.addEventListener('click', () => this.client.cancel());
@@ -104,11 +113,13 @@ class Laboratory {
       this.took = performance.now() - start;
     } catch (error) {
       this.took = Infinity;
-      this.say(error.message, 'error');
+      if (error.isCancelled) this.say('Cancelled. The meshes are as before.');
+      else this.say(error.message, 'error');
     }
     this.busy = false;
     this.part.progress.hidden = true;
     this.settle();
+    if (this.changed) this.again();
   }
 
   call(request, bytes) {
@@ -162,6 +173,7 @@ class Laboratory {
   }
 
   open(request, name, bytes) {
+    if (this.busy) return this.say('A computation is running: wait for it, or cancel it, and open the mesh again.', 'error');
     return this.guarded(async () => {
       const {value} = await this.call(request, bytes);
       const old = this.steps;
@@ -183,9 +195,27 @@ class Laboratory {
   async push(value, title, request) {
     const arrays = await this.client.mesh(value.mesh);
     const step = {mesh: value.mesh, title, request, arrays, fields: new Map(), report: value.report};
-    for (const name of value.fields) step.fields.set(name, await this.client.field(value.mesh, name));
+    await this.receive(step, value.fields);
+    step.losses = await this.losses(step);
     this.steps.push(step);
     this.show();
+  }
+
+  /** Takes fields of a mesh over; values that are not defined there are no numbers here, and grey. */
+  async receive({mesh, fields, asked}, names) {
+    for (const name of names) fields.set(name, await this.client.field(mesh, name));
+    const replace = (name, isDefined) => {
+      if (fields.has(name)) fields.set(name, fields.get(name).map((x, v) => (isDefined(x, v) ? x : NaN)));
+    };
+    const defined = fields.get('defined');
+    if (defined) for (const name of ['mean', 'gaussian', 'kappa1', 'kappa2']) replace(name, (x, v) => defined[v] !== 0);
+    // Components without a source have the distance −1.
+    if (asked?.distance) replace('distance', (x) => x !== -1);
+  }
+
+  /** The fields of a mesh that each format leaves out. */
+  async losses({mesh}) {
+    return (await this.call({verb: 'losses', mesh})).value;
   }
 
   async pop() {
@@ -198,6 +228,7 @@ class Laboratory {
       this.undone.push(this.last.request);
       await this.pop();
       this.show();
+      await this.follows();
       await this.describe(this.last.mesh);
     });
   }
@@ -220,13 +251,14 @@ class Laboratory {
   }
 
   show() {
-    this.viewer.show(this.ends());
     const names = [...new Set(this.ends().flatMap(({fields}) => [...fields.keys()]))];
     const {field} = this.part;
-    const wanted = names.includes(this.viewer.state.field) ? this.viewer.state.field : '';
-    field.replaceChildren(element('option', {value: ''}, 'nothing'), ...names.map((name) => element('option', {value: name}, name)));
-    field.value = wanted;
-    this.viewer.change({field: wanted || null});
+    const {state} = this.viewer;
+    if (!names.includes(state.field)) state.field = null;
+    const option = (name) => element('option', {value: name}, labelled(name)[0]);
+    field.replaceChildren(element('option', {value: ''}, 'nothing'), ...names.map(option));
+    field.value = state.field ?? '';
+    this.viewer.show(this.ends());
   }
 
   async describe(mesh) {
@@ -240,18 +272,19 @@ class Laboratory {
       manifold: yes(value.manifold),
       closed: yes(value.closed),
       'degenerate faces': value.degenerate_faces.count,
-      area: readable(value.area),
-      volume: value.volume === null ? 'undefined' : readable(value.volume),
-      'mean edge': readable(value.mean_edge),
+      area: `${readable(value.area)} file units²`,
+      volume: value.volume === null ? 'undefined' : `${readable(value.volume)} file units³`,
+      'mean edge length': `${readable(value.mean_edge)} file units`,
     };
     this.part.info.replaceChildren(...Object.entries(rows).flatMap(([name, x]) => [element('dt', {}, name), element('dd', {}, String(x))]));
   }
 
   // Tasks.
 
-  /** Runs the task again after a change, if it was quick. */
+  /** Runs the task again after a change, if it was quick; after the current run if there is one. */
   again() {
-    if (this.last?.request.verb === this.task && this.took < 500) this.run(false);
+    this.changed = this.busy === true;
+    if (!this.changed && this.last?.request.verb === this.task && this.took < QUICK) this.run(false);
   }
 
   /** Runs the task; it replaces the result of the same task unless it shall be added. */
@@ -276,17 +309,45 @@ class Laboratory {
     while (this.last !== base) await this.pop();
     const shown = Object.entries(request.values).map(([name, x]) => `${name} ${x}`).join(', ');
     await this.push(value, [request.method, shown].filter(Boolean).join(', '), request);
+    const again = await this.follows();
     await this.describe(value.mesh);
-    this.say(reported(value.report));
+    const gone = value.dropped.filter((name) => !again.includes(name));
+    const words = gone.length ? `Removed, because they describe the earlier positions: ${gone.map((name) => labelled(name)[0]).join(', ')}.` : '';
+    this.say([reported(value.report), words].filter(Boolean).join(' '));
+  }
+
+  /**
+   * Computes the curvature that is shown for a new result, too, unless that takes long. Returns the names of the
+   * fields.
+   */
+  async follows() {
+    const {request, took} = this.curvature ?? {};
+    if (!request || took > QUICK || !CURVATURE.includes(this.viewer.state.field)) return [];
+    await this.setFields(request);
+    this.show();
+    return CURVATURE;
+  }
+
+  /** Adds the fields of a request to the meshes that are shown and do not have them yet. */
+  async setFields(request) {
+    const key = JSON.stringify(request);
+    for (const step of this.ends()) {
+      step.asked ??= {};
+      if (step.asked[request.verb] === key) continue;
+      const start = performance.now();
+      const {value, arrays} = await this.call({...request, mesh: step.mesh});
+      if (request.verb === 'spectrum') step.values = arrays.values;
+      else step.asked[request.verb] = key;
+      await this.receive(step, value.fields ?? []);
+      await this.client.keepOthers(step.mesh);
+      step.losses = await this.losses(step);
+      if (request.verb !== 'curvature') continue;
+      this.curvature = {request, took: performance.now() - start};
+    }
   }
 
   async addFields(request) {
-    for (const step of this.ends()) {
-      const {value, arrays} = await this.call({...request, mesh: step.mesh});
-      if (request.verb === 'spectrum') step.values = arrays.values;
-      for (const name of value.fields ?? []) step.fields.set(name, await this.client.field(step.mesh, name));
-    }
-    this.fields = request;
+    await this.setFields(request);
     if (request.verb === 'spectrum') {
       this.part.mode.max = this.last.values.length - 1;
       this.part.mode.value = Math.min(5, this.last.values.length - 1);
@@ -319,7 +380,7 @@ class Laboratory {
     if (this.steps.length < 2) throw new Error('There is no result to compare with the original yet.');
     const {value} = await this.call({...request, mesh: this.last.mesh, reference: this.steps[0].mesh});
     const rows = value.scores.flatMap(({label, unit, value: x, reason}) => (
-      reason ? [] : [element('dt', {}, label), element('dd', {}, `${readable(x)} ${unit}`)]));
+      reason ? [] : [element('dt', {}, label), element('dd', {}, measured(x, unit))]));
     this.part.info.replaceChildren(...rows);
   }
 
@@ -328,7 +389,7 @@ class Laboratory {
     this.panels[this.task].take(vertex);
     const parts = this.ends().map(({title, arrays, fields}) => {
       const at = [0, 1, 2].map((k) => readable(arrays.positions[3 * vertex + k], 4)).join(', ');
-      const values = [...fields].map(([name, x]) => `${name} ${readable(x[vertex])}`);
+      const values = [...fields].map(([name, x]) => `${labelled(name)[0]} ${readable(x[vertex])}`);
       return `${title}: ${[`(${at})`, ...values].join('; ')}`;
     });
     this.say(`Vertex ${vertex}. ${parts.join('. ')}.`);
@@ -378,18 +439,12 @@ class Laboratory {
     part.redo.disabled = this.busy === true || !this.undone.length;
     part.copy.disabled = steps.length < 2;
     part.language.querySelector('[value=link]').disabled = steps[0]?.request.verb !== 'sample';
+    part.lost.textContent = leftOut(part.format.selectedOptions[0].text, this.last?.losses[part.format.value] ?? []);
     part.add.hidden = Boolean(FIELDS[this.task]) || this.task === 'compare' || steps.length < 2;
     part.modes.hidden = this.task !== 'spectrum' || !this.last?.values;
     part.steps.replaceChildren(...steps.map(({title, request}) => element('li', {}, `${TITLES[request.verb] ?? 'Opened'}: ${title}`)));
     document.body.classList.toggle('busy', this.busy === true);
   }
-}
-
-/** What a task reports, in a line. */
-function reported(report) {
-  const written = (x) => (typeof x === 'number' ? readable(x) : x === null || typeof x === 'object' ? null : String(x));
-  const entries = Object.entries(report ?? {}).map(([name, x]) => [name.replaceAll('_', ' '), written(x)]);
-  return entries.filter(([, x]) => x !== null).map(([name, x]) => `${name}: ${x}`).join('; ');
 }
 
 const textOf = (id) => document.getElementById(id).textContent;

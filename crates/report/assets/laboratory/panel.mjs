@@ -29,7 +29,8 @@ export class Panel {
       });
       rows.push(element('label', {class: 'row'}, element('span', {}, 'method'), select));
     }
-    rows.push(element('p', {class: 'hint'}, `${this.chosen.about}.`));
+    const {about} = this.chosen;
+    rows.push(element('p', {class: 'hint'}, `${about[0].toUpperCase()}${about.slice(1)}.`));
     this.inputs.clear();
     for (const parameter of this.chosen.parameters) rows.push(this.row(parameter));
     this.place.replaceChildren(...rows);
@@ -39,11 +40,14 @@ export class Panel {
     const {name, about, unit, range, required} = parameter;
     const input = inputOf(parameter);
     this.inputs.set(name, input);
+    const slider = sliderOf(parameter, input);
     input.addEventListener('change', () => this.changed());
+    slider?.addEventListener('input', () => this.changed());
     const numeric = ['number', 'count'].includes(parameter.kind);
     const title = [about, unit && `in ${unit}`, numeric && range !== 'finite' && range].filter(Boolean).join('; ');
     const words = element('span', {}, name, unit ? element('small', {}, ` ${unit}`) : '', required ? ' *' : '');
-    return element('label', {class: 'row', title}, words, input);
+    const row = element('label', {class: 'row', title}, words, input);
+    return slider ? element('div', {title}, row, slider) : row;
   }
 
   /** The values that differ from the defaults. */
@@ -75,4 +79,25 @@ function inputOf({kind, choices, default: usual, low, high}) {
   }
   if (kind !== 'number' && kind !== 'count') return element('input', {type: 'text', value: usual});
   return element('input', {type: 'number', value: usual, placeholder: 'automatic', min: low, max: high, step: kind === 'count' ? 1 : 'any'});
+}
+
+/**
+ * A slider that moves with a number, over its range or up to four times the default; null for seeds, for tolerances and
+ * where it would jump.
+ */
+function sliderOf({name, kind, low, high, range, default: usual}, input) {
+  const [from, start] = [low ?? 0, Number(usual)];
+  const to = high ?? 4 * start;
+  const isNumber = (kind === 'number' && (start === 0 || start >= 1e-3)) || (kind === 'count' && name !== 'seed');
+  if (!isNumber || usual === '' || from >= to || to - from > 200 * Math.max(start, 1)) return null;
+  const step = kind === 'count' ? 1 : (to - from) / 200;
+  const [min, max] = [/positive|above/.test(range) ? from + step : from, /below/.test(range) ? to - step : to];
+  const slider = element('input', {type: 'range', 'aria-label': `${name}, slider`, min, max, step, value: start});
+  slider.addEventListener('input', () => {
+    input.value = String(Number(Number(slider.value).toPrecision(3)));
+  });
+  input.addEventListener('change', () => {
+    slider.value = input.value;
+  });
+  return slider;
 }

@@ -20,12 +20,13 @@ const DRAWING: [&str; 5] = [
     include_str!("../../../figure/viewer/bar.js"),
 ];
 
-const PAGE: [(&str, &str); 6] = [
+const PAGE: [(&str, &str); 7] = [
     computing::CLIENT[0],
     computing::CLIENT[1],
     ("viewer.mjs", include_str!("../../../figure/viewer/viewer.mjs")),
     ("panel.mjs", include_str!("../../assets/laboratory/panel.mjs")),
     ("programs.mjs", include_str!("../../assets/laboratory/programs.mjs")),
+    ("words.mjs", include_str!("../../assets/laboratory/words.mjs")),
     ("lab.mjs", include_str!("../../assets/laboratory/lab.mjs")),
 ];
 
@@ -58,6 +59,14 @@ pub fn laboratory(module: &[u8]) -> Result<String> {
 mod tests {
     use super::super::base85;
     use super::*;
+
+    /// With the module that is committed.
+    #[test]
+    fn the_page_is_small() {
+        let module = concat!(env!("CARGO_MANIFEST_DIR"), "/../web/assets/fairing.wasm.gz");
+        let page = laboratory(&std::fs::read(module).unwrap()).unwrap();
+        assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    }
 
     /// Scripts of one page share a scope, and the page holds the module and nothing from elsewhere.
     #[test]

@@ -14,7 +14,7 @@ for (const line of readFileSync(requests, 'utf8').trimEnd().split('\n')) {
     const {value, arrays} = engine.call(request, Buffer.from(bytes, 'base64'));
     answer = {value, arrays: Object.fromEntries(Object.entries(arrays).map(([name, array]) => [name, base64(array)]))};
   } catch (error) {
-    answer = {error: error.message};
+    answer = {error: error.message, isBroken: error.isBroken === true};
   }
   console.log(JSON.stringify({...answer, size: engine.size}));
 }

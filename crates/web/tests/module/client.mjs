@@ -5,13 +5,30 @@ import {Worker} from 'node:worker_threads';
 import {gunzipSync} from 'node:zlib';
 import {Client} from '../../assets/client.mjs';
 
-// What a browser gives to the script of a worker.
+// What a browser gives to the script of a worker. The next request with `breaks` panics while it shows its progress, and
+// one with `fills` finds no memory left.
 const script = JSON.stringify(new URL('../../assets/worker.mjs', import.meta.url).href);
 const source = `
 const {parentPort} = require('node:worker_threads');
-globalThis.self = {postMessage: (message, parts) => parentPort.postMessage(message, parts)};
+let [exports, breaks] = [null, false];
+const Plain = WebAssembly.Instance;
+WebAssembly.Instance = function (...given) {
+  const made = new Plain(...given);
+  exports = made.exports;
+  return made;
+};
+globalThis.self = {postMessage: (message, parts) => {
+  // The module is at work: to be asked for anything is a defect of the page, of which it complains.
+  if (breaks && message.stage) exports.input(1);
+  parentPort.postMessage(message, parts);
+}};
 const early = [];
-parentPort.on('message', (data) => (self.onmessage ? self.onmessage({data}) : early.push(data)));
+parentPort.on('message', (data) => {
+  breaks = Boolean(data.request?.breaks);
+  if (data.request?.fills) exports.memory.grow(65536 - exports.memory.buffer.byteLength / 65536);
+  if (self.onmessage) self.onmessage({data});
+  else early.push(data);
+});
 import(${script}).then(() => early.forEach((data) => self.onmessage({data})));
 `;
 let alive = null;
@@ -53,12 +70,60 @@ assert.deepEqual(await client.field(value.mesh, 'mean'), mean);
 const again = await client.call({verb: 'smooth', mesh: value.mesh});
 assert.deepEqual(again.arrays.positions, good.value.arrays.positions);
 
-// So they do after a defect, of which the page hears the words.
-const broken = client.call({verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}});
+// So they do after a defect and where memory runs out, of which the page hears in words.
+const heavy = {verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}};
+const broken = client.call(heavy);
 alive.onerror({message: 'a defect'});
 await assert.rejects(broken, /the worker failed: a defect/);
+await assert.rejects(client.call({...heavy, breaks: true}), /a defect of Fairing, please report it: .*already .*borrowed/);
+assert.deepEqual(await client.field(value.mesh, 'mean'), mean);
+await assert.rejects(client.call({...heavy, fills: true}), /it needs more memory than a page can have \(4096 MB in use\)/);
+assert.deepEqual(await client.field(value.mesh, 'mean'), mean);
 const {arrays} = await client.call({verb: 'mesh', mesh: value.mesh});
 assert.deepEqual(arrays.positions, positions);
+
+// Fields of every kind come along.
+const header = `ply
+format ascii 1.0
+element vertex 3
+property double x
+property double y
+property double z
+property double nx
+property double ny
+property double nz
+property uchar red
+property uchar green
+property uchar blue
+property double height
+element face 1
+property list uchar int vertex_indices
+property list uchar float texcoord
+property double part
+property uchar red
+property uchar green
+property uchar blue
+end_header
+`;
+const rows = '0 0 0 0 0 1 1 2 3 0.5\n1 0 0 0 0 1 4 5 6 0.25\n0 1 0 0 0 1 7 8 9 2\n3 0 1 2 6 0 0 1 0 0 1 7 9 8 7\n';
+const rich = (await client.call({verb: 'read', name: 'a.ply'}, {bytes: new TextEncoder().encode(header + rows)})).value.mesh;
+await client.mesh(rich);
+await client.field(rich, 'height');
+await client.call({verb: 'curvature', mesh: rich, method: 'jet3'});
+await client.keepOthers(rich);
+const stored = async () => {
+  const {value: {stl}} = await client.call({verb: 'losses', mesh: rich});
+  return [stl, (await client.call({verb: 'others', mesh: rich})).arrays.bytes];
+};
+const [left, kept] = await stored();
+for (const name of ['height', 'normal', 'colours', 'part of faces', 'texture coordinates of corners']) assert.ok(left.includes(name), `${left}`);
+const gone = client.call(heavy);
+client.cancel();
+await assert.rejects(gone, (error) => error.isCancelled);
+const [leftThen, keptThen] = await stored();
+assert.deepEqual(keptThen, kept);
+assert.ok(leftThen.includes('height') && leftThen.includes('texture coordinates of corners'), `${leftThen}`);
+await client.drop(rich);
 
 // A mesh of the page is kept as those of files are.
 const own = await client.add(positions, arrays.faces);

@@ -1,12 +1,14 @@
 //! The module in Node, against the same requests answered without WebAssembly.
 //!
 //! Needs Node on the path and a module: the committed one, or the one that the variable
-//! `FAIRING_WEB_MODULE` names. Otherwise each test is listed by name as ignored.
+//! `FAIRING_WEB_MODULE` names. Otherwise each test is listed by name as ignored, as is the test of
+//! real meshes unless `FAIRING_MESHES` names their folder.
 
 mod cases;
+mod files;
 mod module;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Result;
@@ -31,12 +33,19 @@ fn main() {
     let meshes = cases::meshes().into_iter().map(|(name, mesh)| {
         trial(format!("same_answers::{name}"), Box::new(move |path| cases::same(&path, &mesh)))
     });
-    let others: [(&str, Test); 4] = [
+    let others: [(&str, Test); 6] = [
         ("meshes_survive_cancelling_and_defects", cases::client),
         ("errors_leave_the_session_intact", cases::errors),
         ("memory_stays_flat", cases::flat),
-        ("random_bytes_are_refused_in_words", cases::random),
+        ("random_bytes_are_refused_in_words", files::random),
+        ("damaged_files_are_read_or_refused_in_words", files::damaged),
+        ("every_real_mesh_is_read_or_refused_in_words", files::corpus),
     ];
-    let others = others.map(|(name, test)| trial(name.to_owned(), Box::new(test)));
+    let corpus =
+        std::env::var_os("FAIRING_MESHES").is_some_and(|folder| Path::new(&folder).is_dir());
+    let others = others.map(|(name, test)| {
+        let needs = name.starts_with("every_real_mesh");
+        trial(name.to_owned(), Box::new(test)).with_ignored_flag(absent || (needs && !corpus))
+    });
     libtest_mimic::run(&Arguments::from_args(), meshes.chain(others).collect()).exit();
 }
