@@ -141,6 +141,9 @@ fn fields_are_never_lost_in_silence() {
     for (name, unsupported) in [
         ("a.obj", vec!["mean"]),
         ("a.off", vec!["mean"]),
+        ("a.glb", vec![]),
+        ("a.pcd", vec!["faces"]),
+        ("a.xyz", vec!["faces"]),
         ("a.stl", vec!["mean", "normal", "colours"]),
         ("a.ply.gz", vec![]),
     ] {
