@@ -322,12 +322,13 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Parameters
         ----------
         path : str or path
-            Ends in .obj, .ply, .off, .stl or .vtp, optionally followed by .gz. PLY holds all fields;
-            fields that a format cannot hold are left out, with a warning.
+            Ends in .obj, .ply, .off, .stl, .vtp, .glb, .pcd or .xyz, optionally followed by .gz. PLY
+            holds all fields; what a format cannot hold is left out, with a warning: PCD and XYZ hold
+            points without faces.
         ascii : bool
-            Text instead of binary, for PLY and STL.
+            Text instead of binary, for formats that have both.
         width : {'lossless', 'double', 'single'}
-            Width of numbers in a PLY file: 32 bits if nothing is lost, 64, or 32.
+            Width of numbers in PLY, VTP and PCD files: 32 bits if nothing is lost, 64, or 32.
         {run}
 
         Raises
@@ -349,12 +350,12 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
 
         Parameters
         ----------
-        format : {'ply', 'obj', 'off', 'stl', 'vtp'}
+        format : {'ply', 'obj', 'off', 'stl', 'vtp', 'glb', 'pcd', 'xyz'}
             The format, not compressed. Fields that it cannot hold are left out.
         ascii : bool
-            Text instead of binary, for PLY and STL.
+            Text instead of binary, for formats that have both.
         width : {'lossless', 'double', 'single'}
-            Width of numbers in a PLY file.
+            Width of numbers in PLY, VTP and PCD files.
 
         Returns
         -------
@@ -445,7 +446,8 @@ def read(
     Parameters
     ----------
     path : str or path
-        An OBJ, PLY, OFF, STL or VTP file, plain or compressed with gzip; content and file extension decide.
+        An OBJ, PLY, OFF, STL, VTP, GLB, PCD or XYZ file, plain or compressed with gzip; content and file
+        extension decide. PCD and XYZ files have no faces.
     strict : bool
         Raise an error instead of leaving out content with a warning, such as faces that repeat a
         corner.

@@ -155,6 +155,64 @@ def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
             np.testing.assert_allclose(read.points, mesh.vertices, atol=1e-6 * mesh.diagonal)
 
 
+def linear(colors: np.ndarray) -> np.ndarray:
+    """Colours as GLB holds them, from 0 to 1."""
+    c = colors / 255
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def test_glb_in_trimesh(mesh: pf.Mesh, tmp_path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    if not mesh.n_faces:
+        pytest.skip("points have another type there")
+    mesh = pf.Mesh(mesh.vertices, mesh.faces)
+    fields = {
+        "height": mesh.vertices[:, 2],
+        "direction": 2 * mesh.vertices,
+        "colors": (np.arange(3 * mesh.n_vertices).reshape(-1, 3) % 256).astype(np.uint8),
+    }
+    path = tmp_path / "mesh.glb"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pf.FairingWarning)
+        mesh.with_fields(fields).write(path)
+    theirs = trimesh.load(path, process=False, maintain_order=True, force="mesh")
+    # The format has 32 bits.
+    np.testing.assert_array_equal(theirs.vertices, mesh.vertices.astype(np.float32))
+    np.testing.assert_array_equal(theirs.faces, mesh.faces)
+    attributes = theirs.vertex_attributes
+    np.testing.assert_array_equal(attributes["_height"].ravel(), fields["height"].astype(np.float32))
+    np.testing.assert_array_equal(attributes["_direction"], fields["direction"].astype(np.float32))
+    colors = np.asarray(theirs.visual.vertex_colors)[:, :3]
+    assert np.abs(colors - 255 * linear(fields["colors"])).max() <= 1
+    # And the file that they write, without nodes that move it.
+    again = tmp_path / "again.glb"
+    theirs.export(again)
+    read = loaded(again)
+    np.testing.assert_array_equal(read.vertices, theirs.vertices)
+    np.testing.assert_array_equal(read.faces, mesh.faces)
+
+
+def test_glb_in_pygltflib(mesh: pf.Mesh, tmp_path) -> None:
+    pygltflib = pytest.importorskip("pygltflib")
+    if not mesh.n_faces:
+        pytest.skip("without faces there are no indices")
+    path = tmp_path / "mesh.glb"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pf.FairingWarning)
+        pf.Mesh(mesh.vertices, mesh.faces).write(path)
+    theirs = pygltflib.GLTF2().load(path)
+    primitive = theirs.meshes[0].primitives[0]
+    positions, indices = (theirs.accessors[k] for k in (primitive.attributes.POSITION, primitive.indices))
+    assert (positions.count, indices.count) == (mesh.n_vertices, 3 * mesh.n_faces)
+    single = mesh.vertices.astype(np.float32)
+    np.testing.assert_array_equal(np.float32(positions.min), single.min(axis=0))
+    np.testing.assert_array_equal(np.float32(positions.max), single.max(axis=0))
+    view = theirs.bufferViews[positions.bufferView]
+    assert view.byteOffset % 4 == 0
+    data = theirs.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
+    np.testing.assert_array_equal(np.frombuffer(data, np.float32).reshape(-1, 3), single)
+
+
 def test_implicit_smoothing_of_scipy(mesh: pf.Mesh) -> None:
     if mesh.n_vertices > 20_000:
         pytest.skip("slow with scipy")

@@ -18,8 +18,8 @@ const FREE_THREADED: &str = "python3.14t";
 /// Packages required by the tests.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
 /// Packages required by single tests, which are skipped without them.
-const PEERS: [&str; 7] =
-    ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
+const PEERS: [&str; 8] =
+    ["tqdm", "trimesh", "pygltflib", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
 /// Packages for slow tests and tests of data sets, notebooks and types, likewise.
 const MORE: [&str; 10] = [
     "mypy",

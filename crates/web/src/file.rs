@@ -42,11 +42,13 @@ pub(crate) fn write(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     Ok(Answer::from(Value::Null).with("bytes", Array::Bytes(bytes)))
 }
 
-/// For each format, by its extension, the fields of `mesh` that it does not hold.
+/// For each format, by its extension, what it does not hold of `mesh`.
 pub(crate) fn losses(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
-    let fields = &meshes.held(request, "mesh")?.fields;
-    let losses = Format::ALL
-        .map(|format| (format.extensions()[0].to_owned(), json!(io::unsupported(format, fields))));
+    let held = meshes.held(request, "mesh")?;
+    let losses = Format::ALL.map(|format| {
+        let lost = io::unsupported(format, &held.mesh, &held.fields);
+        (format.extensions()[0].to_owned(), json!(lost))
+    });
     Ok(Value::Object(Map::from_iter(losses)).into())
 }
 

@@ -63,6 +63,43 @@ fn outputs_are_checked_before_anything_is_read() {
     assert!(io::read(place.join("curved.ply.gz")).unwrap().fields.scalar("mean").is_some());
 }
 
+/// Points are described and converted; other verbs name what is missing.
+#[test]
+fn points_are_described_and_converted() {
+    let folder = folder_with_torus();
+    let place = folder.path();
+    let said = fairing(place, "convert torus.ply points.pcd");
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("PCD cannot store faces"), "{said}");
+    refuse(place, "convert torus.ply strict.xyz --strict", 4);
+    for (from, to) in [("points.pcd", "points.xyz"), ("points.xyz", "torus-points.ply")] {
+        run(place, &format!("--quiet convert {from} {to}"));
+        let info: Value = serde_json::from_str(&run(place, &format!("info {to} --json"))).unwrap();
+        assert_eq!((&info["vertices"], &info["faces"]), (&288.into(), &0.into()));
+        for (verb, output) in WRITERS.into_iter().filter(|(verb, _)| !verb.starts_with("convert")) {
+            let error = refuse(place, &format!("{} {output}", verb.replace("torus.ply", to)), 3);
+            assert!(error.contains("288 points without faces"), "{verb}: {error}");
+        }
+    }
+    for verb in ["repair points.xyz -o a.ply", "geodesic points.xyz --from 0 -o a.ply"] {
+        assert!(refuse(place, verb, 3).contains("points without faces"));
+    }
+}
+
+/// Every document that lists formats names all of them.
+#[test]
+fn documents_name_every_format() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for document in
+        ["README.md", "CHANGELOG.md", "crates/mesh/README.md", "python/pyfairing/_mesh.py"]
+    {
+        let text = std::fs::read_to_string(root.join(document)).unwrap();
+        for format in io::Format::ALL {
+            assert!(text.contains(format.name()), "{document} does not name {format}");
+        }
+    }
+}
+
 /// Every verb writes through a link, and the link stays.
 #[cfg(unix)]
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fairing_mesh::io::{self, Strictness};
+use fairing_mesh::io::{self, Format, ReadOptions, Strictness, WriteOptions};
 use libtest_mimic::Failed;
 
 use crate::Test;
@@ -15,6 +15,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("strict_reading_accepts_what_is_sound", strict),
         ("coordinates_keep_double_precision", precision),
         ("written_files_read_back", round_trips),
+        ("every_format_reads_back", formats),
     ]
 }
 
@@ -120,7 +121,7 @@ fn triangles(folder: &Path) -> Result<(), Failed> {
 }
 
 fn strict(folder: &Path) -> Result<(), Failed> {
-    let options = io::ReadOptions::strict();
+    let options = ReadOptions::strict();
     assert_eq!(options.strictness, Strictness::Strict);
     for (file, ..) in FILES {
         let read = io::read_with(folder.join(file), &options);
@@ -159,10 +160,10 @@ fn round_trips(folder: &Path) -> Result<(), Failed> {
     for (file, vertices, ..) in FILES.into_iter().filter(|&(_, vertices, ..)| vertices < 10_000) {
         let read = io::read_polygons(folder.join(file)).map_err(|e| failed(file, e))?;
         for (name, options) in [
-            ("a.ply", io::WriteOptions::default()),
-            ("b.ply.gz", io::WriteOptions::ascii()),
-            ("c.obj", io::WriteOptions::default().dropping_fields()),
-            ("d.off.gz", io::WriteOptions::default().dropping_fields()),
+            ("a.ply", WriteOptions::default()),
+            ("b.ply.gz", WriteOptions::ascii()),
+            ("c.obj", WriteOptions::default().dropping_fields()),
+            ("d.off.gz", WriteOptions::default().dropping_fields()),
         ] {
             let path = out.path().join(name);
             let report = io::write_polygons(&path, &read.mesh, &read.fields, &options)?;
@@ -172,6 +173,41 @@ fn round_trips(folder: &Path) -> Result<(), Failed> {
             }
             if report.dropped.is_empty() && again.fields != read.fields {
                 return Err(failed(file, format!("the fields of {name} differ")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Positions, faces and fields survive in every format, rounded where it rounds; the content says
+/// which it is.
+fn formats(folder: &Path) -> Result<(), Failed> {
+    for (file, ..) in FILES.into_iter().filter(|&(_, vertices, ..)| vertices < 10_000) {
+        let read = io::read(folder.join(file)).map_err(|e| failed(file, e))?;
+        let others = Format::ALL.into_iter().filter(|&format| format != Format::Stl);
+        for (format, ascii) in others.flat_map(|format| [(format, false), (format, true)]) {
+            let holds = format.holds();
+            let options = if ascii { WriteOptions::ascii() } else { WriteOptions::default() };
+            let bytes = io::to_bytes(format, &read.mesh, &read.fields, &options.dropping_fields());
+            let bytes = bytes.map_err(|e| failed(file, e))?;
+            let again = io::read_bytes("", &bytes, &ReadOptions::strict());
+            let again = again.map_err(|e| failed(file, format!("{format}: {e}")))?;
+            let round = |x: f64| if holds.exact { x } else { f64::from(x as f32) };
+            let positions = read.mesh.positions().iter().map(|p| p.map(round));
+            if !positions.eq(again.mesh.positions().iter().copied()) {
+                return Err(failed(file, format!("other positions in {format}")));
+            }
+            let faces = if holds.faces { read.mesh.faces() } else { &[] };
+            if again.mesh.faces() != faces {
+                return Err(failed(file, format!("other faces in {format}")));
+            }
+            let held = |(name, values): &(String, Vec<f64>)| {
+                let values: Vec<f64> = values.iter().map(|&x| round(x)).collect();
+                again.fields.scalar(name) == Some(&values)
+            };
+            let colors = !holds.colors || again.fields.colors == read.fields.colors;
+            if !colors || (holds.fields && !read.fields.scalars.iter().all(held)) {
+                return Err(failed(file, format!("other fields in {format}")));
             }
         }
     }

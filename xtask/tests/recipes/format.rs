@@ -15,6 +15,8 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode,
     holds: Holds {
+        faces: true,
+        exact: true,
         polygons: false,
         colors: false,
         normals: false,

@@ -18,7 +18,8 @@ use super::inputs::{self, Jobs, Summary, check_distinct, output_for};
 /// The file extensions decide the formats (`fairing help` lists them); add .gz to
 /// compress. Vertices keep their order, isolated ones included, except in STL, which
 /// stores corners instead of vertices. Polygons stay polygons if the format holds
-/// them. Content that the format cannot hold is left out and named.
+/// them. PCD and XYZ hold points without faces. GLB and binary STL round numbers to 32 bits.
+/// Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
     /// Input and output file; with --output, all files are inputs
@@ -93,7 +94,9 @@ impl Convert {
         if !self.strict {
             options.unsupported_fields = UnsupportedFields::Drop;
         }
-        if self.triangulate || format.is_some_and(|format| !format.holds().polygons) {
+        if self.triangulate
+            || format.is_some_and(|format| format.holds().faces && !format.holds().polygons)
+        {
             let (mesh, fields) = io::triangulate(&mesh, fields);
             return files::write(context, output, &mesh, &fields, &options);
         }

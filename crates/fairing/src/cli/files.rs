@@ -79,7 +79,8 @@ impl Content {
             (Self::Npz, _) => is("npz"),
             (_, None) => Err(WriteProblem::unknown_extension().to_string()),
             (Self::Fields, Some(format)) if !format.holds().fields => {
-                let others = Format::ALL.into_iter().filter(|format| format.holds().fields);
+                let holds = |format: &Format| format.holds().fields && format.holds().faces;
+                let others = Format::ALL.into_iter().filter(holds);
                 let others: Vec<String> = others
                     .map(|format| format!("{format} (.{0} or .{0}.gz)", format.extensions()[0]))
                     .collect();
@@ -171,7 +172,7 @@ fn is_stream(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Reads a mesh with its fields.
+/// Reads a mesh with its fields; refuses points without faces.
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
     let options = reading(context);
     let file = match is_stream(path) {
@@ -179,6 +180,13 @@ pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> 
         false => io::read_with(path, &options),
     };
     let file = file.map_err(unreadable)?;
+    if file.mesh.face_count() == 0 {
+        return Err(Failure::input(anyhow::anyhow!(
+            "{}: {} points without faces, which info and convert take, and other commands do not",
+            path.display(),
+            file.mesh.vertex_count()
+        )));
+    }
     memory::require_for_mesh(file.mesh.vertex_count())?;
     watch::stage("preparing", 0);
     Ok(file)

@@ -6,6 +6,9 @@ use crate::io::NumberType;
 use crate::io::fields::Columns;
 use crate::io::ply::layout::{COLORS, component_names, vector_name};
 
+/// The most numbers per element of an array that become fields.
+pub(crate) const MAX_COMPONENTS: usize = 16;
+
 /// Some numbers per vertex or face, under a name.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedArray {

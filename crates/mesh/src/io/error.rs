@@ -161,6 +161,14 @@ impl Fault {
         Self { at: Place::Byte(offset as u64), problem }
     }
 
+    /// Moves the place down by a number of lines; that of a byte does not change.
+    pub(crate) fn below(mut self, lines: u64) -> Self {
+        if let Place::Line(line) = &mut self.at {
+            *line += lines;
+        }
+        self
+    }
+
     /// Moves the place on by a number of bytes; a line number does not change.
     pub(crate) fn moved(mut self, bytes: usize) -> Self {
         if let Place::Byte(offset) = &mut self.at {

@@ -1,9 +1,10 @@
 //! Checks of fields before they are written.
 
+use crate::TriMesh;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::ply::layout::{Column, Layout, face_names, field_names, vertex_names};
-use crate::io::surface::Faces;
+use crate::io::surface::{Faces, Surface};
 use crate::io::{FaceFields, Format, NumberType, VertexFields};
 
 /// The elements that fields belong to, in the plural and the singular of messages.
@@ -119,10 +120,19 @@ fn check_names(
     Ok(())
 }
 
-/// The fields and colours of `fields` that files of a format do not hold, by name.
-pub fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
-    let holds = format.holds();
+/// The names of what a file of a format cannot hold of a mesh: fields, colours, and faces where it
+/// holds points only.
+pub fn unsupported(format: Format, mesh: &TriMesh, fields: &VertexFields) -> Vec<String> {
+    not_held(format, Surface::triangles(mesh, fields))
+}
+
+/// The fields that a format cannot hold, and faces if it holds points only.
+pub(crate) fn not_held(format: Format, surface: Surface<'_>) -> Vec<String> {
+    let (holds, fields) = (format.holds(), surface.fields);
     let mut unsupported = Vec::new();
+    if !holds.faces && surface.faces.len() > 0 {
+        unsupported.push("faces".to_owned());
+    }
     if !holds.fields {
         let scalars = fields.scalars.iter().map(|(name, _)| name.clone());
         let vectors = fields.vectors.iter().map(|(name, _)| name.clone());

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
 use crate::io::row::{Holds, Row};
-use crate::io::{obj, off, ply, stl, vtp};
+use crate::io::{glb, obj, off, pcd, ply, stl, vtp, xyz};
 
 /// Makes the enum of formats from the table.
 macro_rules! formats {
@@ -42,6 +42,12 @@ formats! {
     Stl = stl::FORMAT,
     /// VTP, the XML format of polygonal data of VTK and ParaView, binary or text.
     Vtp = vtp::FORMAT,
+    /// GLB, the binary form of glTF 2.0 of viewers and browsers.
+    Glb = glb::FORMAT,
+    /// PCD, points of the Point Cloud Library, binary or text.
+    Pcd = pcd::FORMAT,
+    /// XYZ, points in lines of text.
+    Xyz = xyz::FORMAT,
 }
 
 /// The format of a file by its name.
@@ -126,7 +132,7 @@ impl WriteProblem {
 
 /// Kinds of file that are often given a mesh's name by mistake.
 fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const MAGIC: [(&[u8], &str); 13] = [
+    const MAGIC: [(&[u8], &str); 12] = [
         (b"\x89PNG", "a PNG image"),
         (b"\xff\xd8\xff", "a JPEG image"),
         (b"GIF8", "a GIF image"),
@@ -135,7 +141,6 @@ fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
         (b"\xfd7zXZ", "xz-compressed"),
         (b"BZh", "bzip2-compressed"),
         (b"\x28\xb5\x2f\xfd", "zstd-compressed"),
-        (b"glTF", "a glTF model"),
         (b"\xff\xfe", "UTF-16 text"),
         (b"\xfe\xff", "UTF-16 text"),
         (b"<", "HTML or XML"),
@@ -180,6 +185,6 @@ mod tests {
             }
         }
         let error = "fbx".parse::<Format>().unwrap_err().to_string();
-        assert!(error.contains("OBJ, PLY, OFF, STL, VTP"), "{error}");
+        assert!(error.contains("OBJ, PLY, OFF, STL, VTP, GLB, PCD, XYZ"), "{error}");
     }
 }

@@ -1,4 +1,5 @@
-//! Reading and writing OBJ, PLY, OFF, STL and VTP, plain or gzip-compressed.
+//! Reading and writing OBJ, PLY, OFF, STL, VTP and GLB, and points in PCD and XYZ, plain or
+//! gzip-compressed.
 //!
 //! The order of vertices is kept exactly, isolated ones included; coordinates
 //! go from text to `f64` with correct rounding. Content and file extension decide the
@@ -16,9 +17,12 @@
 //!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
-//! - Vertex and face properties of PLY, arrays of points and cells of VTP, vertex
-//!   colours of OBJ and OFF and vertex normals of OFF become [`VertexFields`]. All other content (materials, cameras,
-//!   …) is ignored and named in the report.
+//! - Vertex and face properties of PLY, VTP, GLB, PCD and XYZ, colours and normals of vertices and
+//!   texture coordinates of corners of OBJ, and colours and normals of OFF become
+//!   [`VertexFields`]. All other content (materials, cameras, …) is ignored and named in the
+//!   report.
+//! - GLB is one mesh: the meshes of its scene, transformed by their nodes. PCD and XYZ have no
+//!   faces.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
 //! and [`ReadOptions`] bounds the size of decompressed files.
@@ -45,11 +49,13 @@
 //! ```
 
 mod arrays;
+mod column;
 mod error;
 mod field_check;
 mod fields;
 mod finish;
 mod format;
+mod glb;
 #[cfg(feature = "gzip")]
 mod gzip;
 mod number;
@@ -58,7 +64,9 @@ mod obj;
 mod off;
 mod options;
 mod parsed;
+mod pcd;
 mod ply;
+mod points;
 mod read;
 mod report;
 mod row;
@@ -71,6 +79,7 @@ mod vtp;
 mod whole;
 mod width;
 mod write;
+mod xyz;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
 pub use field_check::unsupported;

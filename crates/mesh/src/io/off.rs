@@ -20,6 +20,8 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode,
     holds: Holds {
+        faces: true,
+        exact: true,
         polygons: true,
         colors: true,
         normals: true,

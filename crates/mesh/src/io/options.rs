@@ -37,6 +37,14 @@ impl ReadOptions {
     /// A decompressed size in bytes that is always allowed, even for a tiny file.
     pub const FREE_UNPACKED_BYTES: u64 = 16 << 20;
 
+    /// The most bytes of memory that the arrays of a file of `bytes` bytes may take, where packed
+    /// arrays or several of the same bytes take more than the file.
+    pub(crate) fn unpacked_limit(bytes: usize) -> usize {
+        let ratio = usize::try_from(Self::default().max_unpack_ratio).unwrap_or(usize::MAX);
+        let free = usize::try_from(Self::FREE_UNPACKED_BYTES).unwrap_or(usize::MAX);
+        bytes.saturating_mul(ratio).saturating_add(free)
+    }
+
     /// The default options with [`Strictness::DropBroken`].
     pub fn dropping_broken() -> Self {
         Self { strictness: Strictness::DropBroken, ..Self::default() }

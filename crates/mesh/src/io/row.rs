@@ -23,6 +23,10 @@ pub(crate) struct Row {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Holds {
+    /// Faces; without them the positions are points.
+    pub faces: bool,
+    /// Numbers of 64 bits, as they are; without them binary files round to 32 bits.
+    pub exact: bool,
     /// Faces of more than three corners.
     pub polygons: bool,
     /// Vertex colours.

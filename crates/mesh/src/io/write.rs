@@ -17,8 +17,9 @@ use crate::{PolygonMesh, TriMesh};
 /// replaced.
 ///
 /// Coordinates are lossless: the shortest text that reads back as the same `f64`, or
-/// [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless) in PLY. Only STL rounds,
-/// to 32 bits, and loses the numbering of vertices; the report mentions both.
+/// [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless) in PLY. Only STL and GLB round,
+/// to 32 bits, and STL loses the numbering of vertices; the report mentions both. PCD and XYZ hold
+/// no faces, which is an error unless the options drop them.
 ///
 /// # Errors
 ///
@@ -31,9 +32,9 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 /// [`write()`] with fields and options.
 ///
 /// PLY holds all fields, those of faces and texture coordinates included; VTP all but texture
-/// coordinates; OBJ colours (after the coordinates, from 0 to 1); OFF colours and the vector field
-/// `normal`; STL none. A field that the format cannot
-/// hold is an error unless the options drop it.
+/// coordinates; GLB, PCD and XYZ those of vertices; OBJ colours (after the coordinates, from 0 to
+/// 1), the vector field `normal` and texture coordinates; OFF colours and `normal`; STL none. A
+/// field that the format cannot hold is an error unless the options drop it.
 ///
 /// # Errors
 ///
@@ -197,12 +198,13 @@ fn encode(
     options: &WriteOptions,
 ) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
     field_check::check(surface.fields, surface.positions.len(), surface.faces)?;
-    let unsupported = field_check::unsupported(format, surface.fields);
+    let unsupported = field_check::not_held(format, surface);
     if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
         let (format, fields) = (format.name(), unsupported);
         return Err(WriteProblem::UnsupportedFields { format, fields });
     }
     if let Faces::Polygons(_) = surface.faces
+        && format.holds().faces
         && !format.holds().polygons
     {
         let what = "polygons: triangulate the mesh first".to_owned();

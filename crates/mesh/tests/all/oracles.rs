@@ -94,3 +94,51 @@ fn ply_rs_reads_the_same() {
         }
     }
 }
+
+#[test]
+fn gltf_reads_the_same() {
+    let mesh = shapes::icosphere(3);
+    let q: Vec<f64> = mesh.positions().iter().map(|p| p[0] * p[1]).collect();
+    let fields = VertexFields::default()
+        .with_scalar("q", q.clone())
+        .with_vector("normal", mesh.positions().to_vec())
+        .with_colors(
+            mesh.positions().iter().map(|p| p.map(|x| (100.0 * x + 100.0) as u8)).collect(),
+        );
+    let bytes = to_bytes(Format::Glb, &mesh, &fields, &WriteOptions::default()).unwrap();
+    let ours = read("a.glb", &bytes);
+    assert_eq!((ours.mesh.faces(), &ours.fields.colors), (mesh.faces(), &fields.colors));
+    let theirs = gltf::Gltf::from_slice(&bytes).unwrap();
+    let scene = theirs.default_scene().unwrap();
+    let node = scene.nodes().next().unwrap();
+    let (primitive, blob) = (node.mesh().unwrap().primitives().next().unwrap(), &theirs.blob);
+    assert_eq!(primitive.mode(), gltf::mesh::Mode::Triangles);
+    assert!(primitive.material().double_sided());
+    let reader = primitive.reader(|_| blob.as_deref());
+    let rounded =
+        |points: &[[f64; 3]]| points.iter().map(|p| p.map(|x| x as f32)).collect::<Vec<_>>();
+    let positions = rounded(mesh.positions());
+    assert!(reader.read_positions().unwrap().eq(positions.iter().copied()));
+    assert!(reader.read_normals().unwrap().eq(rounded(fields.vector("normal").unwrap())));
+    let corners = reader.read_indices().unwrap().into_u32();
+    assert!(corners.eq(mesh.faces().as_flattened().iter().copied()));
+    let bounds = primitive.bounding_box();
+    for k in 0..3 {
+        let of = || positions.iter().map(|p| p[k]);
+        assert_eq!(bounds.min[k], of().fold(f32::INFINITY, f32::min));
+        assert_eq!(bounds.max[k], of().fold(f32::NEG_INFINITY, f32::max));
+    }
+    let named = gltf::Semantic::Extras("q".to_owned());
+    let field = primitive.get(&named).unwrap();
+    assert_eq!((field.count(), field.dimensions()), (q.len(), gltf::accessor::Dimensions::Scalar));
+    let colors = reader.read_colors(0).unwrap().into_rgba_f32();
+    for (linear, srgb) in colors.zip(fields.colors.as_ref().unwrap()) {
+        for k in 0..3 {
+            let c = f32::from(srgb[k]) / 255.0;
+            let expected = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+            // Half a step of 16 bits.
+            assert!((linear[k] - expected).abs() < 1e-5, "{linear:?} for {srgb:?}");
+        }
+        assert_eq!(linear[3], 1.0);
+    }
+}

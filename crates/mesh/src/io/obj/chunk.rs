@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::io::error::{ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
+use crate::io::obj::corners::Indices;
 use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
 use crate::io::parsed::{Broken, NO_VERTEX, check_finite};
 use crate::io::text::shown;
@@ -16,6 +17,11 @@ pub(super) struct Chunk {
     pub(super) range: Range<usize>,
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) colors: Vec<[f64; 3]>,
+    pub(super) texture: Vec<[f64; 2]>,
+    pub(super) normals: Vec<[f64; 3]>,
+    /// The texture coordinates and normals of the corners of `polygons`.
+    pub(super) texture_of: Indices,
+    pub(super) normal_of: Indices,
     pub(super) polygons: Polygons,
     /// Corners with relative indices, and the index from the first vertex of the
     /// piece; from that of the file once resolved.
@@ -32,8 +38,7 @@ pub(super) struct Chunk {
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Counts {
     groups: usize,
-    texture: usize,
-    normals: usize,
+    depths: usize,
     lines: usize,
     points: usize,
     materials: usize,
@@ -46,8 +51,7 @@ pub(super) struct Counts {
 impl Counts {
     pub(super) fn add(&mut self, other: &Self) {
         self.groups += other.groups;
-        self.texture += other.texture;
-        self.normals += other.normals;
+        self.depths += other.depths;
         self.lines += other.lines;
         self.points += other.points;
         self.materials += other.materials;
@@ -64,8 +68,7 @@ impl Counts {
             (self.groups > 1).then(|| format!("{} objects and groups are one mesh", self.groups));
         [
             groups,
-            ignored(self.texture, "texture coordinates"),
-            ignored(self.normals, "vertex normals"),
+            ignored(self.depths, "third texture coordinates"),
             ignored(self.lines, "line elements"),
             ignored(self.points, "point elements"),
             ignored(self.materials, "material and rendering statements"),
@@ -126,8 +129,12 @@ impl Chunk {
         match word {
             b"v" => return self.vertex(text, after),
             b"f" | b"fo" => return self.face(text, after, corners),
-            b"vt" => counts.texture += 1,
-            b"vn" => counts.normals += 1,
+            b"vt" => {
+                let [u, v, w] = numbers(text, after, 1);
+                self.texture.push([u, v]);
+                counts.depths += usize::from(w != 0.0);
+            }
+            b"vn" => self.normals.push(numbers(text, after, 3)),
             b"o" | b"g" => counts.groups += 1,
             b"l" => counts.lines += 1,
             b"p" => counts.points += 1,
@@ -214,7 +221,20 @@ impl Chunk {
             } else {
                 return Err((at, unexpected("an index from 1 to 2^32 - 1", index.to_string())));
             }
-            at = if text.get(end) == Some(&b'/') { skip_attributes(text, end)? } else { end };
+            at = end;
+            if text.get(end) == Some(&b'/') {
+                let corner = base + corners.len() - 1;
+                let indices;
+                (indices, at) = attributes(text, end)?;
+                for (index, of, count) in [
+                    (indices[0], &mut self.texture_of, self.texture.len()),
+                    (indices[1], &mut self.normal_of, self.normals.len()),
+                ] {
+                    if let Some(index) = index {
+                        of.set(corner, index, count);
+                    }
+                }
+            }
             if !ends(text, at) && !is_delimiter(text[at]) && skip_blanks(text, at) == at {
                 return Err((at, unexpected("white space after an index", word(text, at))));
             }
@@ -225,6 +245,8 @@ impl Chunk {
             [] => return Err((start, unexpected("the corners of a face", "none"))),
             _ => {
                 while self.relative.pop_if(|&mut (corner, _)| corner >= base).is_some() {}
+                self.texture_of.truncate(base);
+                self.normal_of.truncate(base);
                 self.counts.small += 1;
             }
         }
@@ -300,22 +322,43 @@ fn float_before_mark(text: &[u8], at: usize) -> Option<(f64, usize)> {
     (length == end).then_some((value, at + end))
 }
 
-/// Skips `/t`, `//n` or `/t/n` after an index.
+/// The indices of `/t`, `//n` or `/t/n` after that of a vertex, and the place after them.
 #[inline]
-fn skip_attributes(text: &[u8], mut at: usize) -> Result<usize, Stop> {
-    for _ in 0..2 {
+fn attributes(text: &[u8], mut at: usize) -> Result<([Option<i64>; 2], usize), Stop> {
+    let mut indices = [None; 2];
+    for index in &mut indices {
         if text.get(at) != Some(&b'/') {
             break;
         }
         at += 1;
         if matches!(text.get(at), Some(b'-' | b'+' | b'0'..=b'9')) {
             match number::integer(text, at) {
-                Some((_, end)) => at = end,
+                Some((found, end)) => (*index, at) = (Some(found), end),
                 None => return Err((at, unexpected("an index", word(text, at)))),
             }
         }
     }
-    Ok(at)
+    Ok((indices, at))
+}
+
+/// Up to three numbers of a statement; NaN for those of the first `required` that are missing or
+/// no numbers, and 0 for others. Broken texture coordinates and normals do not make a mesh broken.
+fn numbers(text: &[u8], mut at: usize, required: usize) -> [f64; 3] {
+    let mut numbers = [0.0; 3];
+    for (k, x) in numbers.iter_mut().enumerate() {
+        at = skip_blanks(text, at);
+        if k >= required && ends(text, at) {
+            break;
+        }
+        match float(text, at, "") {
+            Ok(found) => (*x, at) = found,
+            Err(_) => {
+                *x = f64::NAN;
+                at = word_end(text, at);
+            }
+        }
+    }
+    numbers
 }
 
 /// The word at a place, for an error message.

@@ -1,17 +1,24 @@
-//! Wavefront OBJ: vertices and faces; other statements are counted and reported.
+//! Wavefront OBJ: vertices, faces, texture coordinates and normals; other statements are counted
+//! and reported.
+//!
+//! Texture coordinates belong to the corners of faces, normals to vertices: those of a vertex
+//! must be the same at all its corners.
 //!
 //! A `v` line holds a position, and optionally a weight (`x y z w`, which only
 //! curves and surfaces use), a colour (`x y z r g b`, a common extension) or a
 //! colour with alpha. Objects and groups share one list of vertices.
 
 mod chunk;
+mod corners;
 mod scan;
+
+use std::collections::HashMap;
 
 use rayon::prelude::*;
 
 use crate::io::WriteOptions;
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
-use crate::io::number::{put_integer, put_triple};
+use crate::io::number::{put_float, put_integer, put_triple};
 use crate::io::parsed::{Broken, Parsed, bytes_of_colors, vertex_index};
 use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, lines};
@@ -26,12 +33,14 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode,
     holds: Holds {
+        faces: true,
+        exact: true,
         polygons: true,
         colors: true,
-        normals: false,
+        normals: true,
         fields: false,
         face_fields: false,
-        texture: false,
+        texture: true,
         binary: false,
         float_widths: false,
     },
@@ -72,10 +81,14 @@ fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, 
     }
 
     let mut counts = Counts::default();
-    let mut vertices = 0usize;
+    let [mut vertices, mut texture, mut normals] = [0usize; 3];
     for chunk in &mut chunks {
         chunk.resolve_relative(vertices);
+        chunk.texture_of.resolve_relative(texture);
+        chunk.normal_of.resolve_relative(normals);
         vertices += chunk.positions.len();
+        texture += chunk.texture.len();
+        normals += chunk.normals.len();
         counts.add(&chunk.counts);
     }
     let largest = chunks.iter().map(|chunk| chunk.largest).max().unwrap_or(-1);
@@ -99,6 +112,8 @@ fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, 
         parsed.doubts.push(doubt);
     }
     keep_colors(&mut parsed, &chunks, &counts);
+    corners::keep_texture(&mut parsed, &chunks);
+    corners::keep_normals(&mut parsed, &chunks);
     Ok(parsed)
 }
 
@@ -150,27 +165,71 @@ fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
     Fault::whole(ReadProblem::IndexOutOfRange { face: 0, index: -1, vertex_count: vertices as u64 })
 }
 
-/// `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `f` with indices
+/// `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `vt` and `vn`; `f` with indices
 /// from 1.
 fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
-    let colors = surface.fields.colors.as_deref();
-    let mut pieces = lines(surface.positions.len(), 64, |v, text| {
+    let Surface { positions, faces, fields } = surface;
+    let colors = fields.colors.as_deref();
+    let mut pieces = lines(positions.len(), 64, |v, text| {
         text.push(b'v');
-        put_triple(text, surface.positions[v]);
+        put_triple(text, positions[v]);
         if let Some(colors) = colors {
             put_triple(text, colors[v].map(|c| f64::from(c) / 255.0));
         }
         text.push(b'\n');
     });
-    pieces.extend(lines(surface.faces.len(), 26, |f, text| {
+    let texture = fields.faces.texture.as_deref().map(distinct);
+    let (values, texture_of) = texture.unwrap_or_default();
+    pieces.extend(lines(values.len(), 40, |k, text| {
+        text.extend_from_slice(b"vt ");
+        put_float(text, values[k][0]);
+        text.push(b' ');
+        put_float(text, values[k][1]);
+        text.push(b'\n');
+    }));
+    let normals = fields.vector("normal");
+    pieces.extend(lines(normals.map_or(0, <[_]>::len), 64, |v, text| {
+        text.extend_from_slice(b"vn");
+        normals.iter().for_each(|normals| put_triple(text, normals[v]));
+        text.push(b'\n');
+    }));
+    let mut starts = vec![0];
+    if !texture_of.is_empty() {
+        starts = (0..faces.len())
+            .scan(0, |end, f| Some(std::mem::replace(end, *end + faces.face(f).len())))
+            .collect();
+    }
+    pieces.extend(lines(faces.len(), 26, |f, text| {
         text.push(b'f');
-        for &v in surface.faces.face(f) {
+        for (k, &v) in faces.face(f).iter().enumerate() {
             text.push(b' ');
             put_integer(text, u64::from(v) + 1);
+            if !texture_of.is_empty() {
+                text.push(b'/');
+                put_integer(text, texture_of[starts[f] + k] as u64 + 1);
+            }
+            if normals.is_some() {
+                text.extend_from_slice(if texture_of.is_empty() { b"//" } else { b"/" });
+                put_integer(text, u64::from(v) + 1);
+            }
         }
         text.push(b'\n');
     }));
     Ok(Encoded { pieces, notes: vec![] })
+}
+
+/// The distinct texture coordinates in order of first appearance, and those of each corner.
+fn distinct(texture: &[[f64; 2]]) -> (Vec<[f64; 2]>, Vec<usize>) {
+    let mut values = Vec::new();
+    let mut known = HashMap::new();
+    let of = texture.iter().map(|&value| {
+        *known.entry(value.map(f64::to_bits)).or_insert_with(|| {
+            values.push(value);
+            values.len() - 1
+        })
+    });
+    let of = of.collect();
+    (values, of)
 }
 
 #[cfg(test)]

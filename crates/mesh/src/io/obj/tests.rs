@@ -100,14 +100,69 @@ fn other_statements_are_counted() {
     assert_eq!(
         notes,
         [
-            "1 texture coordinates are ignored",
-            "2 vertex normals are ignored",
             "1 line elements are ignored",
             "1 point elements are ignored",
             "2 material and rendering statements are ignored",
             "1 statements about curves and free-form surfaces are ignored",
+            "1 texture coordinates are ignored",
+            "2 vertex normals are ignored",
         ]
     );
+}
+
+/// Relative indices too, and whatever the pieces are.
+#[test]
+fn corners_have_texture_coordinates_and_vertices_normals() {
+    let text = format!(
+        "{SQUARE}vt 0 0.25\nvt .5\nvt 1 1 0\nvn 0 0 1\nvn 0 1 0\nf 1/1/1 2/2/2 3/3/1\n\
+         vt 7 7\nvn 0 0 1\nf 1/-1/-1 3/-2/1 4/1/-2\n"
+    );
+    for size in 1..text.len() {
+        let parsed = parse_in_chunks(text.as_bytes(), size, Broken::Refused).unwrap();
+        let [a, b, c, d] = [[0.0, 0.25], [0.5, 0.0], [1.0, 1.0], [7.0, 7.0]];
+        assert_eq!(parsed.fields.faces.texture, Some(vec![a, b, c, d, c, a]), "{size}");
+        let [z, y] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
+        assert_eq!(parsed.fields.vectors, [("normal".to_owned(), vec![z, y, z, y])]);
+        assert_eq!((parsed.notes.len(), parsed.doubts.len()), (0, 0));
+    }
+    // Normals in the order of the vertices, which no face has to name.
+    for faces in ["", "f 1 2 3\n", "f 1//1 2 3\n"] {
+        let parsed = parsed(&format!("{SQUARE}{}{faces}", "vn 0 0 1\n".repeat(4)));
+        assert_eq!(parsed.fields.vectors[0].1, [[0.0, 0.0, 1.0]; 4], "{faces}");
+    }
+}
+
+#[test]
+fn texture_coordinates_and_normals_that_are_left_out_are_named() {
+    let values = "vt 0 0\nvt 1 x\nvt 1 1 2\nvn 0 0 1\nvn 0 1 0\n";
+    let said = |faces: &str| {
+        let parsed = parsed(&format!("{SQUARE}{values}{faces}"));
+        assert!(parsed.fields.is_empty(), "{faces}");
+        assert_eq!(parsed.notes[0], "1 third texture coordinates are ignored");
+        assert_eq!(parsed.notes.len() + parsed.doubts.len(), 3, "{faces}");
+        parsed.notes[1..].iter().chain(&parsed.doubts).cloned().collect::<Vec<_>>()
+    };
+    let of_3 = "only 2 of 3 corners have texture coordinates: left out";
+    let missing = "1 corners name texture coordinates that do not exist: left out";
+    for (faces, expected) in [
+        ("f 1/1 2/1 3\n", of_3),
+        ("f 1/1 2/1 3/4\n", missing),
+        ("f 1/1 2/1 3/0\n", missing),
+        ("f 1/1 2/1 3/-4\n", missing),
+        ("f 1//1 2//1 3//9\n", "1 corners name normals that do not exist: left out"),
+        ("f 1//1 2//1 3//2\n", "only 3 vertices have normals: left out"),
+    ] {
+        assert!(said(faces).iter().any(|note| note == expected), "{faces}: {:?}", said(faces));
+    }
+    let creased = parsed(&format!("{SQUARE}{values}f 1//1 2//1 3//1\nf 1//2 3//1 4//1\n"));
+    assert_eq!(creased.notes[2], "vertex normals are ignored: 1 vertices have several");
+    // Faces of two corners take their indices along.
+    let small = parsed(&format!("{SQUARE}{values}f 1/2 2/2\nf -4/-3 -2/1\nf 1/1 2/1 3/1\n"));
+    assert_eq!(small.fields.faces.texture, Some(vec![[0.0; 2]; 3]));
+    let broken = crate::io::tests::read("", format!("{SQUARE}{values}f 1/1 2/2 3/3\n").as_bytes());
+    assert_eq!(broken.fields.faces.texture, None);
+    let said = "field of texture coordinates is NaN at corner 1: left out";
+    assert!(broken.report.notes.iter().any(|note| note == said), "{:?}", broken.report.notes);
 }
 
 #[test]

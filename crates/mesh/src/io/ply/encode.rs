@@ -2,71 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::io::column::{Column, columns, put_text, rows};
 use crate::io::error::WriteProblem;
-use crate::io::fields::Attributes;
-use crate::io::number::{put_float, put_integer};
+use crate::io::number::put_integer;
 use crate::io::ply::header::name_of;
 use crate::io::ply::layout::{INDICES, NAME, TEXTURE, field_names, vertex_names};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
 use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
-
-/// The values of one property group and their type in the file.
-#[derive(Clone, Copy)]
-enum Column<'a> {
-    Scalar(&'a [f64], NumberType),
-    Vector(&'a [[f64; 3]], NumberType),
-    Color(&'a [[u8; 3]]),
-}
-
-impl Column<'_> {
-    fn components(self) -> usize {
-        if matches!(self, Self::Scalar(..)) { 1 } else { 3 }
-    }
-
-    fn number_type(self) -> NumberType {
-        match self {
-            Self::Color(_) => NumberType::U8,
-            Self::Scalar(_, number) | Self::Vector(_, number) => number,
-        }
-    }
-
-    /// The number of bytes per element.
-    fn size(self) -> usize {
-        self.components() * self.number_type().size()
-    }
-
-    fn put(self, element: usize, bytes: &mut [u8]) {
-        match self {
-            Self::Scalar(values, number) => number.put(&[values[element]], bytes),
-            Self::Vector(values, number) => number.put(&values[element], bytes),
-            Self::Color(values) => bytes.copy_from_slice(&values[element]),
-        }
-    }
-
-    /// Appends the numbers of an element with a space before each.
-    fn write(self, element: usize, text: &mut Vec<u8>) {
-        match self {
-            Self::Scalar(values, number) => put_text(&[values[element]], number, text),
-            Self::Vector(values, number) => put_text(&values[element], number, text),
-            Self::Color(values) => {
-                for c in values[element] {
-                    text.push(b' ');
-                    put_integer(text, u64::from(c));
-                }
-            }
-        }
-    }
-}
-
-/// Appends numbers with a space before each; those of 32 bits as the shortest decimal of the
-/// rounded number.
-fn put_text(values: &[f64], number: NumberType, text: &mut Vec<u8>) {
-    for &x in values {
-        text.push(b' ');
-        put_float(text, if number == NumberType::F32 { f64::from(x as f32) } else { x });
-    }
-}
 
 /// Texture coordinates, their type, and the place of the first corner of each face.
 type Texture<'a> = (&'a [[f64; 2]], NumberType, Vec<usize>);
@@ -93,7 +36,7 @@ pub(super) fn encode(
             options.float_width,
         )?,
     )];
-    vertices.extend(columns(surface.fields.into(), options.float_width)?);
+    vertices.extend(columns(NAME, surface.fields.into(), options.float_width)?);
     let faces = face_columns(surface, options.float_width)?;
     let header = header(surface, &vertices, &faces, options.encoding);
     let mut pieces = vec![header];
@@ -108,7 +51,7 @@ pub(super) fn encode(
             pieces.extend(face_lines(surface.faces, |f, text| faces.write(f, text)));
         }
         Encoding::Binary => {
-            pieces.push(rows(surface, &vertices));
+            pieces.push(rows(surface.positions.len(), &vertices));
             pieces.extend(face_rows(surface.faces, &faces));
         }
     }
@@ -179,21 +122,7 @@ fn face_columns(surface: Surface<'_>, width: FloatWidth) -> Result<FaceColumns<'
         }
     };
     let short_lists = most * if texture.is_some() { 2 } else { 1 } <= 255;
-    Ok(FaceColumns { texture, columns: columns(fields.into(), width)?, short_lists })
-}
-
-fn columns(fields: Attributes<'_>, width: FloatWidth) -> Result<Vec<Column<'_>>, WriteProblem> {
-    let kept = |name: &str| fields.types.get(name).copied();
-    let mut columns = Vec::new();
-    for (name, values) in fields.scalars {
-        columns.push(Column::Scalar(values, width_of(NAME, name, values, kept(name), width)?));
-    }
-    for (name, values) in fields.vectors {
-        let number = width_of(NAME, name, values.as_flattened(), kept(name), width)?;
-        columns.push(Column::Vector(values, number));
-    }
-    columns.extend(fields.colors.map(Column::Color));
-    Ok(columns)
+    Ok(FaceColumns { texture, columns: columns(NAME, fields.into(), width)?, short_lists })
 }
 
 fn header(
@@ -228,24 +157,6 @@ fn header(
     properties(&mut text, &faces.columns, field_names((&surface.fields.faces).into()));
     text.push_str("end_header\n");
     text.into_bytes()
-}
-
-fn rows(surface: Surface<'_>, columns: &[Column<'_>]) -> Vec<u8> {
-    let stride: usize = columns.iter().map(|column| column.size()).sum();
-    let mut bytes = vec![0; stride * surface.positions.len()];
-    let each_row = bytes.par_chunks_exact_mut(stride).with_min_len(1 << 13).enumerate();
-    match columns {
-        [only] => each_row.for_each(|(v, row)| only.put(v, row)),
-        _ => each_row.for_each(|(v, row)| {
-            let mut rest = row;
-            for column in columns {
-                let (bytes, after) = rest.split_at_mut(column.size());
-                column.put(v, bytes);
-                rest = after;
-            }
-        }),
-    }
-    bytes
 }
 
 fn face_rows(all: Faces<'_>, columns: &FaceColumns<'_>) -> Vec<Vec<u8>> {

@@ -27,6 +27,8 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode: encode::encode,
     holds: Holds {
+        faces: true,
+        exact: true,
         polygons: true,
         colors: true,
         normals: true,

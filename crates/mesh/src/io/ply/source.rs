@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::io::NumberType;
-use crate::io::error::{Fault, Place, ReadProblem, unexpected};
+use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::ply::header::Element;
 use crate::io::text::Cursor;
 
@@ -85,11 +85,8 @@ impl<'a> AsciiSource<'a> {
         Self { last: cursor.clone(), cursor, lines_before: header_lines, long_rows: 0 }
     }
 
-    fn below_header(&self, mut fault: Fault) -> Fault {
-        if let Place::Line(line) = &mut fault.at {
-            *line += self.lines_before;
-        }
-        fault
+    fn below_header(&self, fault: Fault) -> Fault {
+        fault.below(self.lines_before)
     }
 }
 

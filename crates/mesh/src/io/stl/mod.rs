@@ -19,6 +19,8 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode,
     holds: Holds {
+        faces: true,
+        exact: false,
         polygons: false,
         colors: false,
         normals: false,

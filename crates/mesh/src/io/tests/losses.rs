@@ -139,8 +139,11 @@ fn fields_are_never_lost_in_silence() {
         .with_vector("normal", vec![[0.0, 0.0, 1.0]; 4])
         .with_colors(vec![[1, 2, 3]; 4]);
     for (name, unsupported) in [
-        ("a.obj", vec!["mean", "normal"]),
+        ("a.obj", vec!["mean"]),
         ("a.off", vec!["mean"]),
+        ("a.glb", vec![]),
+        ("a.pcd", vec!["faces"]),
+        ("a.xyz", vec!["faces"]),
         ("a.stl", vec!["mean", "normal", "colours"]),
         ("a.ply.gz", vec![]),
     ] {

@@ -10,7 +10,7 @@ use crate::TriMesh;
 use crate::io::{MeshFile, ReadOptions, read_bytes};
 
 /// Reads bytes under a name.
-fn read(name: &str, bytes: &[u8]) -> MeshFile {
+pub(crate) fn read(name: &str, bytes: &[u8]) -> MeshFile {
     read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -145,14 +145,23 @@ proptest! {
     fn every_format_gives_back_the_content_that_it_holds((mesh, fields) in with_fields()) {
         for format in Format::ALL.into_iter().filter(|&format| format != Format::Stl) {
             let options = WriteOptions::default().dropping_fields();
+            let holds = format.holds();
+            let round = |x: &mut f64| *x = if holds.exact { *x } else { f64::from(*x as f32) };
+            let mut positions = mesh.positions().to_vec();
+            positions.as_flattened_mut().iter_mut().for_each(round);
+            let faces = if holds.faces { mesh.faces().to_vec() } else { vec![] };
+            // Small extents vanish in 32 bits.
+            let Ok(expected) = TriMesh::new(positions, faces) else { continue };
             let bytes = to_bytes(format, &mesh, &fields, &options).unwrap();
             let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
-            prop_assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()));
-            prop_assert_eq!(file.mesh.faces(), mesh.faces());
-            let holds = format.holds();
+            prop_assert_eq!(bits(file.mesh.positions()), bits(expected.positions()));
+            prop_assert_eq!(file.mesh.faces(), expected.faces());
             let mut held = fields.clone();
             held.scalars.retain(|_| holds.fields);
             held.vectors.retain(|(name, _)| holds.fields || holds.normals && name == "normal");
+            held.scalars.iter_mut().for_each(|(_, values)| values.iter_mut().for_each(round));
+            let vectors = held.vectors.iter_mut();
+            vectors.for_each(|(_, v)| v.as_flattened_mut().iter_mut().for_each(round));
             held.colors = held.colors.filter(|_| holds.colors);
             let texture = held.faces.texture.take().filter(|_| holds.texture);
             held.faces = if holds.face_fields { held.faces } else { FaceFields::default() };

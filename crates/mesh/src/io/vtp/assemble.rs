@@ -1,7 +1,7 @@
 //! From the arrays of a VTP file to a mesh with fields.
 
 use crate::io::NumberType;
-use crate::io::arrays::{NamedArray, columns};
+use crate::io::arrays::{MAX_COMPONENTS, NamedArray, columns};
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, check_finite, strip_triangles};
@@ -284,9 +284,6 @@ fn join(
         }
     }
 }
-
-/// The most numbers per element of an array that become fields.
-const MAX_COMPONENTS: usize = 16;
 
 /// Arrays as fields of `count` elements; the array of normals becomes `normal`, and bytes under
 /// the name of colours become colours.

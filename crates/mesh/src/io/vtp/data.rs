@@ -40,9 +40,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 impl<'a> Decoder<'a> {
     pub(super) fn new(bytes: &'a [u8], document: &'a Document) -> Self {
-        let ratio = usize::try_from(ReadOptions::default().max_unpack_ratio).unwrap_or(usize::MAX);
-        let free = usize::try_from(ReadOptions::FREE_UNPACKED_BYTES).unwrap_or(usize::MAX);
-        Self { bytes, document, budget: bytes.len().saturating_mul(ratio).saturating_add(free) }
+        Self { bytes, document, budget: ReadOptions::unpacked_limit(bytes.len()) }
     }
 
     /// The numbers of an array; `expected` is their number, if it is known.

@@ -19,6 +19,8 @@ pub(super) const FORMAT: Row = Row {
     parse: assemble::parse,
     encode: encode::encode,
     holds: Holds {
+        faces: true,
+        exact: true,
         polygons: true,
         colors: true,
         normals: true,

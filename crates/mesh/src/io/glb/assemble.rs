@@ -1,0 +1,297 @@
+//! From the meshes of a GLB file to one mesh with fields.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::io::arrays::{NamedArray, columns};
+use crate::io::error::{Fault, unexpected};
+use crate::io::glb::accessor::Accessors;
+use crate::io::glb::color::to_srgb;
+use crate::io::glb::document::{Document, Entry};
+use crate::io::glb::primitive::{Shape, shape};
+use crate::io::glb::scene::{Instance, instances};
+use crate::io::parsed::{Broken, NO_VERTEX, Parsed, check_finite};
+use crate::io::{NumberType, ReadReport};
+
+pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
+    let document = Document::read(bytes)?;
+    let root = document.root();
+    check_extensions(&root)?;
+    let mut parsed = Parsed::default();
+    note_ignored(&root, &mut parsed.notes)?;
+    let instances = instances(&root, &mut parsed.notes)?;
+    let accessors = Accessors::new(&document, bytes.len());
+    let mut joined = Joined::new(accessors, parsed, broken);
+    for instance in &instances {
+        joined.add(&root, instance)?;
+    }
+    if instances.len() > 1 {
+        joined.parsed.notes.push(format!("{} meshes are one mesh", instances.len()));
+    }
+    Ok(joined.finish())
+}
+
+/// Extensions without which the positions and faces can be read.
+const HARMLESS: [&str; 8] = [
+    "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_xmp",
+    "KHR_animation_pointer",
+];
+
+/// Refuses files that cannot be read without an extension, compressed ones for instance.
+fn check_extensions(root: &Entry<'_>) -> Result<(), Fault> {
+    for extension in root.list("extensionsRequired")? {
+        let name = extension.text().unwrap_or_default();
+        if !HARMLESS.iter().any(|harmless| name.starts_with(harmless)) {
+            let expected = "a file that is readable without extensions";
+            return Err(Fault::whole(unexpected(expected, format!("{name}, which it requires"))));
+        }
+    }
+    Ok(())
+}
+
+/// Names the content that a mesh does not hold.
+fn note_ignored(root: &Entry<'_>, notes: &mut Vec<String>) -> Result<(), Fault> {
+    // One material, which every file has, says nothing.
+    for (key, what, from) in
+        [("materials", "materials", 2), ("images", "images", 1), ("animations", "animations", 1)]
+    {
+        let count = root.list(key)?.len();
+        if count >= from {
+            notes.push(format!("{count} {what} are ignored"));
+        }
+    }
+    Ok(())
+}
+
+/// Bytes that a primitive counts for besides its arrays.
+const PRIMITIVE: usize = 256;
+
+/// Vertices that consecutive primitives share, and their place among those of the mesh.
+struct Shared<'a> {
+    attributes: Entry<'a>,
+    first: u32,
+    count: usize,
+}
+
+/// The vertices and faces of the instances so far.
+struct Joined<'a> {
+    accessors: Accessors<'a>,
+    broken: Broken,
+    parsed: Parsed,
+    arrays: Vec<NamedArray>,
+    /// The number of an array by name and components.
+    places: HashMap<(String, usize), usize>,
+    colors: Vec<[u8; 3]>,
+    lines: usize,
+    alphas: usize,
+    /// Attributes that a mesh does not hold, and morph targets.
+    ignored: BTreeSet<String>,
+}
+
+impl<'a> Joined<'a> {
+    fn new(accessors: Accessors<'a>, parsed: Parsed, broken: Broken) -> Self {
+        Self {
+            accessors,
+            broken,
+            parsed,
+            arrays: vec![],
+            places: HashMap::new(),
+            colors: vec![],
+            lines: 0,
+            alphas: 0,
+            ignored: BTreeSet::new(),
+        }
+    }
+
+    fn add(&mut self, root: &Entry<'a>, instance: &Instance) -> Result<(), Fault> {
+        let mesh = root.at("meshes", instance.mesh)?;
+        let mut known: Option<Shared<'a>> = None;
+        for primitive in mesh.list("primitives")? {
+            self.accessors.spend(&primitive, 1, PRIMITIVE)?;
+            if !primitive.list("targets")?.is_empty() {
+                self.ignored.insert("morph targets".to_owned());
+            }
+            let Some(attributes) = primitive.get("attributes") else {
+                return Err(primitive.fault("attributes", "none"));
+            };
+            let Some(position) = attributes.get("POSITION") else {
+                return Err(attributes.fault("POSITION", "none"));
+            };
+            let known_before = known.as_ref().filter(|shared| shared.attributes == attributes);
+            let count = match known_before {
+                Some(shared) => shared.count,
+                None => self.accessors.open(position.count()?)?.count,
+            };
+            let faces = self.parsed.polygons.len();
+            let triangles = shape(&mut self.accessors, &primitive, count, faces, self.broken)?;
+            let Shape::Triangles(triangles) = triangles else {
+                self.lines += 1;
+                continue;
+            };
+            let first = match known_before {
+                Some(shared) => shared.first,
+                None => {
+                    // Too many vertices are refused later.
+                    let first = self.parsed.positions.len() as u32;
+                    self.vertices(&attributes, &instance.to_scene)?;
+                    known = Some(Shared { attributes, first, count });
+                    first
+                }
+            };
+            let mirrored = instance.to_scene.matrix3.determinant() < 0.0;
+            for [a, b, c] in triangles {
+                let [b, c] = if mirrored { [c, b] } else { [b, c] };
+                let corner = |v: u32| if v == NO_VERTEX { v } else { v.saturating_add(first) };
+                self.parsed.polygons.push_triangle([a, b, c].map(corner));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the vertices of a primitive with their attributes.
+    fn vertices(&mut self, attributes: &Entry<'a>, to_scene: &DAffine3) -> Result<(), Fault> {
+        let before = self.parsed.positions.len();
+        let count = self.positions(attributes, to_scene)?;
+        for (name, entry) in attributes.members()? {
+            let field = match name {
+                "POSITION" => continue,
+                "NORMAL" => "normal",
+                "COLOR_0" => "",
+                _ => match name.strip_prefix('_') {
+                    Some(field) => field,
+                    None => {
+                        self.ignored.insert(name.to_owned());
+                        continue;
+                    }
+                },
+            };
+            let accessor = self.accessors.open(entry.count()?)?;
+            if let Some(fault) = accessor.unequal(&entry, count) {
+                return Err(fault);
+            }
+            let mut values = accessor.floats();
+            match name {
+                "COLOR_0" => {
+                    accessor.require(&entry, &[3, 4])?;
+                    self.colors(&values, accessor.components);
+                }
+                "NORMAL" => {
+                    accessor.require(&entry, &[3])?;
+                    if *to_scene != DAffine3::IDENTITY {
+                        turn(values.as_chunks_mut().0, to_scene.matrix3);
+                    }
+                    self.array(before, field, 3, values);
+                }
+                _ => self.array(before, field, accessor.components, values),
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the positions, and returns their number.
+    fn positions(&mut self, attributes: &Entry<'a>, to_scene: &DAffine3) -> Result<usize, Fault> {
+        let Some(entry) = attributes.get("POSITION") else { return Ok(0) };
+        let accessor = self.accessors.open(entry.count()?)?;
+        accessor.require(&entry, &[3])?;
+        let positions = &mut self.parsed.positions;
+        for (v, &position) in accessor.floats().as_chunks().0.iter().enumerate() {
+            let position = match *to_scene == DAffine3::IDENTITY {
+                true => position,
+                false => to_scene.transform_point3(DVec3::from(position)).to_array(),
+            };
+            check_finite(&position, positions.len(), self.broken)
+                .map_err(|problem| accessor.fault(v, problem))?;
+            positions.push(position);
+        }
+        Ok(accessor.count)
+    }
+
+    /// Adds colours, unless they are out of range.
+    fn colors(&mut self, values: &[f64], components: usize) {
+        let colors = values.chunks_exact(components);
+        if !values.iter().all(|c| (0.0..=1.0).contains(c)) {
+            let doubt = "vertex colours are not from 0 to 1: left out".to_owned();
+            if !self.parsed.doubts.contains(&doubt) {
+                self.parsed.doubts.push(doubt);
+            }
+            return;
+        }
+        self.alphas +=
+            colors.clone().filter(|color| color.get(3).is_some_and(|&a| a != 1.0)).count();
+        self.colors.extend(colors.map(|color| [color[0], color[1], color[2]].map(to_srgb)));
+    }
+
+    /// Adds values to those of the primitives before, which had `before` vertices.
+    fn array(&mut self, before: usize, name: &str, components: usize, values: Vec<f64>) {
+        let kind = Some(NumberType::F32);
+        let place = *self.places.entry((name.to_owned(), components)).or_insert_with(|| {
+            let name = name.to_owned();
+            self.arrays.push(NamedArray { name, kind, components, values: vec![] });
+            self.arrays.len() - 1
+        });
+        // If some vertices before have no value, the array stays incomplete.
+        let array = &mut self.arrays[place];
+        if array.values.len() == components * before {
+            array.values.extend(values);
+        }
+    }
+
+    fn finish(mut self) -> Parsed {
+        let mut parsed = self.parsed;
+        let count = parsed.positions.len();
+        self.arrays.retain(|array| {
+            let complete = array.values.len() == count * array.components;
+            if !complete {
+                let name = &array.name;
+                parsed
+                    .doubts
+                    .push(format!("only some vertices have a value of {name:?}: left out"));
+            }
+            complete
+        });
+        let colored = self.colors.len();
+        if 0 < colored && colored < count {
+            let doubt = format!("only {colored} vertices have colours: left out");
+            parsed.doubts.push(doubt);
+        }
+        let colors = (colored == count).then_some(self.colors);
+        if self.lines > 0 {
+            parsed.notes.push(format!("{} primitives of lines are ignored", self.lines));
+        }
+        if self.alphas > 0 {
+            parsed.notes.push(format!("the alpha values of {} vertices are ignored", self.alphas));
+        }
+        if !self.ignored.is_empty() {
+            let mut names: Vec<String> = self.ignored.into_iter().collect();
+            if names.len() > ReadReport::NAMED {
+                names.truncate(ReadReport::NAMED);
+                names.push("…".to_owned());
+            }
+            parsed.notes.push(format!("data of vertices are ignored: {}", names.join(", ")));
+        }
+        if count > 0 {
+            let taken = ["x", "y", "z"];
+            parsed.fields = columns(self.arrays, colors, &taken, &mut parsed.notes).of_vertices();
+        }
+        parsed
+    }
+}
+
+/// Turns normals with a surface, and makes them unit vectors again.
+fn turn(normals: &mut [[f64; 3]], linear: DMat3) {
+    // The matrix of cofactors is that of normals up to a factor, and exists where the surface is
+    // pressed flat.
+    let DMat3 { x_axis: a, y_axis: b, z_axis: c } = linear;
+    let sign = linear.determinant().signum();
+    let cofactors = DMat3::from_cols(b.cross(c), c.cross(a), a.cross(b)) * sign;
+    for normal in normals {
+        *normal = (cofactors * DVec3::from(*normal)).normalize_or_zero().to_array();
+    }
+}
