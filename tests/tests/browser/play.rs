@@ -230,6 +230,18 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let kept = chrome.run("fairing.views.get('play-denoising').now.found.map((s) => s.creases)")?;
     let kept = numbers(&kept);
     ensure!(kept[2] > 60.0 && kept[1] < 10.0, "{kept:?}");
+    // The caption: with more noise than about a third of an edge, diffusion is the better one.
+    for (sigma, is_filter_better) in [(0.2, true), (0.5, false)] {
+        let angles = chrome.run(&format!(
+            "(async () => {{
+               const p = fairing.views.get('play-denoising');
+               await p.fromText('{sigma}~8~20');
+               return p.now.found.map((s) => s.angle);
+             }})()"
+        ))?;
+        let angles = numbers(&angles);
+        ensure!((angles[2] < angles[1]) == is_filter_better, "σ = {sigma}: {angles:?}");
+    }
     chrome.picture("denoising")
 }
 

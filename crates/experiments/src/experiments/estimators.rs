@@ -414,7 +414,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             plot.series.push(if stands_out { line } else { line.quiet() });
         }
         plot.series.extend(second_order(&plot.series));
-        figure.panels.push(Panel::drawing(plot.draw(450.0, 185.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
     }
     plotted(
         &figure,

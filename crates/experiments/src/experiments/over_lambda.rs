@@ -1,5 +1,7 @@
 //! A flow at several λ, in numbers, pictures, meshes and views, for questions 5 and 6.
 
+use std::cmp::Ordering;
+
 use anyhow::{Context as _, Result};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
@@ -136,17 +138,24 @@ pub(super) fn parameters(lambdas: &[f64], iterations: usize) -> Vec<(&'static st
 
 /// Effect visible in the plots of both questions, from the best λ by both errors.
 pub(super) fn seen_in_plot(best: &Favourites) -> String {
-    let [patch, part] = best.normals;
-    let apart = |normals: Best, surface: Best| normals.lambda > surface.lambda;
-    let first = match apart(patch, best.surface[0]) && apart(part, best.surface[1]) {
-        true => {
-            "On both meshes the normal error is smallest at longer steps than the surface error"
-        }
-        false => "The normal error and the surface error are not smallest at the same λ",
+    let of = |(normals, surface): (&Best, &Best)| normals.lambda.total_cmp(&surface.lambda);
+    let orders: Vec<Ordering> = best.normals.iter().zip(&best.surface).map(of).collect();
+    let words = |order: Ordering| match order {
+        Ordering::Greater => "at longer steps than the surface error",
+        Ordering::Less => "at shorter steps than the surface error",
+        Ordering::Equal => "at the same step as the surface error",
     };
-    let end = match patch.is_last {
+    let first = match orders[0] == orders[1] {
+        true => format!("On both meshes the normal error is smallest {}", words(orders[0])),
+        false => format!(
+            "On the patch the normal error is smallest {}, on the machine part {}",
+            words(orders[0]),
+            words(orders[1])
+        ),
+    };
+    let end = match best.normals[0].is_last {
         true => {
-            "; the normal error of the patch falls up to the last step, because normals do not see a mesh shrink"
+            "; on the patch it falls up to the last step, because normals do not see a mesh shrink"
         }
         false => "",
     };
@@ -495,6 +504,21 @@ mod tests {
         }
         let best = Best::of(&sweep, "patch", "surface error").unwrap();
         assert_eq!((best.lambda, best.is_last), (1.0, false));
+    }
+
+    /// The caption of the plot compares the two minima of each mesh.
+    #[test]
+    fn the_caption_of_a_sweep_tells_the_meshes_apart() {
+        let at = |lambda: f64, is_last: bool| Best { lambda, error: 1.0, is_last };
+        let surface = [at(0.1, false); 2];
+        let text = |normals: [Best; 2]| seen_in_plot(&Favourites { surface, normals });
+        let both = text([at(1.0, false); 2]);
+        assert_eq!(
+            both,
+            "On both meshes the normal error is smallest at longer steps than the surface error."
+        );
+        let one = text([at(1.0, true), at(0.1, false)]);
+        assert!(one.contains("on the machine part at the same step as the surface error; on the"));
     }
 
     /// A mesh that has become a point has no normals; the longest step before it is the last.

@@ -46,8 +46,8 @@ fn section() -> Section {
     .edge_lengths_of("each mesh")
     .sources(&["docarmo1976", "goldman2005"])
     .notation(&["d", "\\kappa", "n", "a", "b", "c", "u", "v", "E", "F", "G", "e", "f", "g", "\\theta"])
-    .shows(&[], &["forms"])
-    .names(&[("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
+    .shows(&[], &[])
+    .names(&[("forms", "coefficients and curvature at (a, 0, 0)"), ("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
     .playground(
         "ellipsoid",
         "The blue circle fits the ellipsoid at (a, 0, 0); the dashed red one has the size that the original report \

@@ -12,7 +12,7 @@ use fairing_shapes as shapes;
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
 use ndarray::ArrayView2;
 
-use self::pictures::{decay, eigenvalues, modes_picture, picture, view};
+use self::pictures::{BALL, decay, eigenvalues, modes_picture, picture, view};
 use super::gap;
 use super::mode_sums;
 use super::refinement::between;
@@ -34,9 +34,6 @@ const STOPS: [usize; 7] = [5, 15, 50, 100, 300, 600, 1000];
 
 /// Above this many vertices the full spectrum is not computed.
 const FULL: usize = 1500;
-
-/// The name of the generated mesh, which both kinds of runs have.
-const BALL: &str = "bumpy ball";
 
 /// The figure of the first mesh from k modes.
 const FIRST: &str = "rebuilt";

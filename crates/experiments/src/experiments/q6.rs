@@ -62,8 +62,8 @@ fn section() -> Section {
     .edge_lengths_of("the mesh without noise, the truth")
     .sources(&["desbrun1999"])
     .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
-    .shows(&["machine-part-view", "sweep", "machine-part"], &[])
-    .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
+    .shows(&["sweep", "machine-part"], &[])
+    .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part, to turn and to smooth"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
 }
 
 impl Experiment for ImplicitFlow {

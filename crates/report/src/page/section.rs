@@ -50,12 +50,12 @@ pub(super) fn experiment(
     }
     let notes: Vec<String> =
         record.notes.iter().map(|note| format!("<p>{}</p>", with_code(note))).collect();
-    if let Some((first, others)) = notes.split_first() {
-        text += first;
-        if !others.is_empty() {
-            let _ =
-                write!(text, "<details><summary>Remarks</summary>{}</details>", others.concat());
-        }
+    // The first note of a section without claims is its answer.
+    let answers = notes.len().min(usize::from(record.claims.is_empty()));
+    let (answer, others) = notes.split_at(answers);
+    text += &answer.concat();
+    if !others.is_empty() {
+        let _ = write!(text, "<details><summary>Remarks</summary>{}</details>", others.concat());
     }
     Ok(text + "</section>")
 }

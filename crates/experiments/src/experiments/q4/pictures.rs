@@ -17,6 +17,9 @@ use crate::outcome::Picture;
 use crate::table::{Table, brief};
 use crate::view::{Panel, Slider, View};
 
+/// The name of the generated mesh, which both kinds of runs have.
+pub(super) const BALL: &str = "bumpy ball";
+
 const VIEWS: [Viewpoint; 2] = [
     Viewpoint::Angles { azimuth: 20.0, elevation: 10.0 },
     Viewpoint::Angles { azimuth: 140.0, elevation: 20.0 },
@@ -54,7 +57,7 @@ pub(super) fn picture(
 
 /// The figure of the original report that shows the same, as a sentence; it has no bumpy ball.
 fn counterpart(name: &str) -> &'static str {
-    match name == super::BALL {
+    match name == BALL {
         true => "",
         false => " Counterpart of Figure 4 of the original report.",
     }

@@ -96,12 +96,12 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
 fn trained(bodies: &[&Body]) -> String {
     let names = bodies.iter().filter(|body| body.is_trained_on);
     let names: Vec<String> = names.map(|body| format!("the {}", body.name)).collect();
-    match names.is_empty() {
-        true => String::new(),
-        false => {
-            format!(" The automatic denoiser was trained on bodies like {}.", seen::list(&names))
-        }
-    }
+    let like = match names.len() {
+        0 => return String::new(),
+        n if n == bodies.len() => "like these".into(),
+        _ => format!("like {}", seen::list(&names)),
+    };
+    format!(" The automatic denoiser was trained on bodies {like}.")
 }
 
 /// A level of noise.
