@@ -8,8 +8,8 @@ use crate::mesh::Mesh;
 use crate::options::{Named, borrowed};
 use crate::run::Call;
 
-/// The report of the automatic method: σ̂, correlation length and level at that length, if measured;
-/// the kind of surface, the approach, and the number of vertices on uneven parts.
+/// The report of the automatic method: σ̂, correlation length and level at that length, if
+/// measured; the kind of surface, the approach, and the number of vertices on uneven parts.
 type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, usize);
 
 /// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.

@@ -54,7 +54,7 @@ fairing_parameters::algorithms! {
         TotalGeneralisedVariation(TotalGeneralisedVariationOptions) => total_generalised_variation,
     }
 
-    /// Denoises a mesh, all of it or all but [fixed](Masked) vertices; the result has the same faces.
+    /// Denoises a mesh; the result has the same faces. [Fixed](Masked) vertices do not move.
     ///
     /// # Errors
     ///

@@ -127,7 +127,8 @@ fn automatic_never_does_harm() {
 
 /// The scan of a block by a depth camera: the noise is seen to be correlated, a third of the error
 /// is left at most, less than by six published methods at their defaults, and no vertex passes the
-/// limit. Half the strength leaves more of the noise, and halves the limit. Independent noise on the same scan is not correlated.
+/// limit. Half the strength leaves more of the noise, and halves the limit. Independent noise on
+/// the same scan is not correlated.
 #[test]
 fn noise_of_a_depth_camera_is_found_and_removed() {
     let camera = Some([3.0, 2.5, 5.0]);

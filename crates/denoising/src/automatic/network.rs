@@ -39,13 +39,16 @@ pub struct Layer<'a> {
 impl Layer<'_> {
     /// `biases + weightsᵀ x`.
     #[inline(always)]
-    fn apply(&self, x: &[f32], out: &mut [f32]) {
-        out.copy_from_slice(self.biases);
-        for (&x, row) in x.iter().zip(self.weights.chunks_exact(out.len())) {
-            for (o, &w) in out.iter_mut().zip(row) {
-                *o += x * w;
+    fn apply<const N: usize>(&self, x: &[f32], out: &mut [f32; N]) {
+        // Local sums, which cannot share memory with the weights.
+        let mut sums = [0.0; N];
+        sums.copy_from_slice(self.biases);
+        for (&x, row) in x.iter().zip(self.weights.chunks_exact(N)) {
+            for (sum, &w) in sums.iter_mut().zip(row) {
+                *sum += x * w;
             }
         }
+        *out = sums;
     }
 }
 
