@@ -42,7 +42,8 @@ Options:
 
 /// Help of the task `web`.
 pub(crate) const WEB_HELP: &str = "\
-Build the module for browsers from source, test it in Node, and write the laboratory, target/web/fairing.html
+Build the module for browsers from source, test it in Node, write the laboratory, target/web/fairing.html, and test it in
+Chromium; where Node or Chromium is absent, its tests are skipped by name
 
 The compiler needs the target wasm32-unknown-unknown: that of rustup if it is installed, else Debian's packages, which
 apt-get fetches into target/web/toolchain and which leave the machine as it is.

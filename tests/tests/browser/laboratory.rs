@@ -1,5 +1,7 @@
 //! The laboratory from disk: opening, computing, looking, and taking results along.
 
+mod values;
+
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -19,8 +21,11 @@ use crate::chrome::Chrome;
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("every_sample_opens_and_every_task_runs", tasks),
-        ("a_dropped_mesh_shows_its_field_with_a_histogram", fields),
-        ("a_vertex_is_picked_with_all_its_values", picks),
+        ("a_dropped_mesh_shows_its_field_with_a_histogram", values::fields),
+        ("values_that_are_undefined_are_no_numbers", values::undefined),
+        ("a_vertex_is_picked_with_all_its_values", values::picks),
+        ("moved_vertices_have_no_values_of_earlier_positions", values::moves),
+        ("sliders_and_numbers_move_together_and_take_the_step_again", sliders),
         ("steps_are_undone_and_taken_again", history),
         ("copied_programs_give_the_same_bits", programs),
         ("a_link_takes_the_steps_on_a_sample", links),
@@ -148,78 +153,30 @@ fn tasks(chrome: &mut Chrome, report: &Path) -> Result<()> {
     quiet(chrome)
 }
 
-fn fields(chrome: &mut Chrome, report: &Path) -> Result<()> {
+fn sliders(chrome: &mut Chrome, report: &Path) -> Result<()> {
     open(chrome, report, "")?;
-    let mesh = shapes::torus(1.0, 0.4, 40, 20);
-    let heights: Vec<f64> = mesh.positions().iter().map(|p| p[2]).collect();
-    let bytes = ply(&mesh, &VertexFields::default().with_scalar("height", heights))?;
-    let found = chrome.run(&format!(
-        "(async () => {{
-           await drop('ring.ply', '{bytes}');
-           const {{part}} = laboratory;
-           const set = (name, value) => {{
-             Object.assign(part[name], value);
-             part[name].dispatchEvent(new Event('input'));
-           }};
-           const pictures = [seen().join()];
-           const drawn = () => new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)));
-           set('field', {{value: 'height'}});
-           await drawn();
-           const bars = [...document.querySelectorAll('.bar .count')].map((bar) => Number(bar.getAttribute('height')));
-           for (const name of ['lines', 'wire', 'flat']) {{
-             pictures.push(seen().join());
-             set(name, {{checked: true}});
-             await drawn();
-           }}
-           pictures.push(seen().join());
-           return [laboratory.last.arrays.positions.length, part.info.textContent, bars, new Set(pictures).size, document.querySelector('.bar .name').textContent];
-         }})()"
-    ))?;
-    ensure!(found[0] == 3 * mesh.vertex_count(), "{}", found[0]);
-    ensure!(found[1].as_str().is_some_and(|t| t.contains("genus1")), "{}", found[1]);
-    // A ring of twenty segments has eleven heights, of which the extreme ones occur half as often.
-    let bars = found[2].as_array().into_iter().flatten().filter_map(Value::as_f64);
-    let bars: Vec<f64> = bars.filter(|&height| height > 0.0).collect();
-    ensure!(bars.len() == 11 && bars[0] == 12.0 && bars[5] == 24.0, "{bars:?}");
-    ensure!(found[3] == 5, "{} pictures differ", found[3]);
-    ensure!(found[4].as_str().is_some_and(|t| t.contains("height")), "{}", found[4]);
-    chrome.picture("laboratory-field")?;
-    quiet(chrome)
-}
-
-fn picks(chrome: &mut Chrome, report: &Path) -> Result<()> {
-    open(chrome, report, "")?;
-    let place = chrome.run(
+    let found = chrome.run(
         "(async () => {
            await sample('sphere');
-           task('curvature');
+           task('noise');
            await press('run');
-           const canvas = document.querySelector('.panels canvas');
-           canvas.scrollIntoView();
-           const {left, top, width, height} = canvas.getBoundingClientRect();
-           return [left + width / 2, top + height / 2];
+           laboratory.took = 0;
+           const {place, inputs} = laboratory.panels.noise;
+           const [slider, number] = [place.querySelector('input[type=range]'), inputs.get('sigma')];
+           const sigma = () => [laboratory.steps.length, laboratory.last.request.values.sigma, number.value, Number(slider.value)];
+           const move = (input, value, name) => act(() => {
+             input.value = value;
+             input.dispatchEvent(new Event(name));
+           });
+           await move(slider, '0.6', 'input');
+           const states = [sigma()];
+           laboratory.took = 0;
+           await move(number, '0.9', 'change');
+           return [...states, sigma(), [slider.min, slider.max]];
          })()",
     )?;
-    let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap_or_default());
-    chrome.drag([x, y], [x, y])?;
-    let words = chrome.run("laboratory.part.words.textContent")?;
-    let words = words.as_str().unwrap_or_default();
-    ensure!(words.starts_with("Vertex "), "{words}");
-    for name in ["mean 1", "gaussian ", "kappa1 ", "kappa2 "] {
-        ensure!(words.contains(name), "no {name} in {words}");
-    }
-    // Keys pick the next one, and a picked vertex is the source of distances.
-    let next = chrome.run(
-        "(async () => {
-           task('distance');
-           const canvas = document.querySelector('.panels canvas');
-           return await act(() => canvas.dispatchEvent(new KeyboardEvent('keydown', {key: 'n'})));
-         })()",
-    )?;
-    ensure!(next != words, "{next}");
-    let zero =
-        chrome.run("laboratory.last.fields.get('distance')[laboratory.viewer.state.vertex]")?;
-    ensure!(zero.as_f64().is_some_and(|d| d.abs() < 1e-6), "{zero}");
+    let expected = json!([[2, "0.6", "0.6", 0.6], [2, "0.9", "0.9", 0.9], ["0", "1.2"]]);
+    ensure!(found == expected, "{found}");
     quiet(chrome)
 }
 
@@ -360,21 +317,25 @@ fn downloads(chrome: &mut Chrome, report: &Path) -> Result<()> {
            const made = [];
            URL.createObjectURL = (blob) => { made.push(blob); return 'data:,'; };
            HTMLAnchorElement.prototype.click = function () { made.push(this.download); };
-           const all = [];
+           const all = [laboratory.part.format.value];
            for (const {value} of [...laboratory.part.format.options]) {
              laboratory.part.format.value = value;
+             laboratory.part.format.dispatchEvent(new Event('input'));
+             const lost = laboratory.part.lost.textContent;
              await press('download');
              const [blob, name] = made.splice(0);
              const bytes = new Uint8Array(await blob.arrayBuffer());
-             all.push([name, btoa(Array.from(bytes, (b) => String.fromCharCode(b)).join(''))]);
+             all.push([name, btoa(Array.from(bytes, (b) => String.fromCharCode(b)).join('')), lost]);
            }
            return all;
          })()",
     )?;
     let shown = last(chrome)?;
     let folder = tempfile::tempdir()?;
-    let files = found.as_array().context("no downloads")?;
-    ensure!(files.len() == Format::ALL.len(), "{} files", files.len());
+    let [usual, files @ ..] = &found.as_array().context("no downloads")?[..] else {
+        anyhow::bail!("no downloads")
+    };
+    ensure!(usual == "ply" && files.len() == Format::ALL.len(), "{usual}, {} files", files.len());
     for file in files {
         let name = file[0].as_str().unwrap_or_default();
         ensure!(name.starts_with("torus-fairing."), "{name}");
@@ -387,8 +348,12 @@ fn downloads(chrome: &mut Chrome, report: &Path) -> Result<()> {
         // Others round to single precision or hold points only.
         let same = read.mesh == shown || !holds.exact || !holds.faces;
         ensure!(same, "{name} holds another mesh");
+        // The page has said beforehand what is lost.
         let fields = read.fields.scalars.iter().any(|(name, _)| name == "mean");
+        let lost = file[2].as_str().unwrap_or_default();
         ensure!(fields || !name.ends_with(".ply"), "{name} has lost its fields");
+        ensure!(fields != lost.contains("mean curvature"), "{name}: {lost}");
+        ensure!(lost.contains("32 bits") != holds.exact, "{name}: {lost}");
     }
     quiet(chrome)
 }

@@ -22,10 +22,16 @@ export function measured(value, unit) {
   return `${readable(value)} ${{count: '', diagonal: 'diagonals'}[unit] ?? unit}`.trim();
 }
 
-/** The fields that a format leaves out, in a sentence; empty if it keeps all. */
+/** Formats that change positions or connectivity. */
+const ROUNDED = {
+  STL: 'STL rounds positions to 32 bits and repeats shared vertices.',
+  GLB: 'GLB rounds positions and fields to 32 bits.',
+};
+
+/** The contents that a format leaves out or rounds, in a sentence; empty if it keeps all. */
 export function leftOut(format, names) {
   const fields = names.length ? `${format} leaves out: ${names.map((name) => labelled(name)[0]).join(', ')}.` : '';
-  return format === 'STL' ? `STL rounds positions to 32 bits and repeats shared vertices. ${fields}`.trim() : fields;
+  return [ROUNDED[format], fields].filter(Boolean).join(' ');
 }
 
 const KINDS = {

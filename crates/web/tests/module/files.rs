@@ -53,19 +53,19 @@ const SMALL: usize = 200_000;
 /// breaks the module.
 pub(crate) fn corpus(module: PathBuf) -> Result<()> {
     let folder = std::env::var_os("FAIRING_MESHES").context("no folder")?;
+    let paths = files(Path::new(&folder))?;
+    ensure!(paths.len() > 50, "{} files", paths.len());
     let mut requests = vec![];
-    let (mut last, mut reads) = (0, 0);
-    for path in files(Path::new(&folder))? {
+    let mut mesh = 0;
+    for path in paths {
         let bytes = std::fs::read(&path)?;
         let small = bytes.len() <= SMALL;
         let found = io::read_bytes(&name(&path), &bytes, &ReadOptions::default());
         requests.push(read(name(&path), bytes));
-        reads += 1;
         if found.is_err() {
             continue;
         }
-        let mesh = last + 1;
-        last += 1;
+        mesh += 1;
         let mut ask = |request: Value| requests.push((request, vec![]));
         ask(json!({ "verb": "info", "mesh": mesh }));
         ask(json!({ "verb": "curvature", "mesh": mesh }));
@@ -75,7 +75,6 @@ pub(crate) fn corpus(module: PathBuf) -> Result<()> {
         }
         ask(json!({ "verb": "drop", "mesh": mesh }));
     }
-    ensure!(reads > 50, "{reads} files");
     let found = answers(&module, &requests)?;
     ensure!(found.len() == requests.len(), "{} answers", found.len());
     for ((request, _), found) in requests.iter().zip(&found) {
