@@ -17,8 +17,8 @@
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
 //! - Vertex and face properties of PLY, arrays of points and cells of VTP, vertex
-//!   colours of OBJ and OFF and vertex normals of OFF become [`VertexFields`]. All other content (materials, cameras,
-//!   …) is ignored and named in the report.
+//!   colours of OBJ and OFF and vertex normals of OFF become [`VertexFields`]. All
+//!   other content (materials, cameras, …) is ignored and named in the report.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
 //! and [`ReadOptions`] bounds the size of decompressed files.
