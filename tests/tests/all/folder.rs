@@ -1,4 +1,4 @@
-//! A folder of forty files of a scanner, ten of them broken, through `repair`, `denoise` and `info`.
+//! A folder of forty scans, ten of them broken, through `repair`, `denoise` and `info`.
 
 use std::fs;
 use std::path::Path;

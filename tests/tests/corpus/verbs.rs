@@ -1,5 +1,5 @@
-//! Every verb of the program on every small file of the corpus: no panic, no NaN, no partial output,
-//! and within a time; the command that `info` proposes mends what it has found.
+//! Every verb of the program on every small file of the corpus: no panic, no NaN, no partial
+//! output, and within a time; the command that `info` proposes mends what it has found.
 
 use std::fs;
 use std::path::{Path, PathBuf};
