@@ -13,6 +13,7 @@
 
 mod build;
 mod connectivity;
+mod convert;
 mod diagnosis;
 mod incidence;
 #[cfg(feature = "io")]

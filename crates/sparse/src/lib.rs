@@ -12,6 +12,7 @@
 mod chebyshev;
 mod clenshaw;
 mod conjugate_gradients;
+mod convert;
 #[cfg(feature = "solvers")]
 mod direct;
 mod double;
@@ -32,6 +33,10 @@ pub use conjugate_gradients::{
     CgOptions, CgSolution, CgSystem, CgWorkspace, ConjugateGradient, FieldOperator,
     conjugate_gradients, descend, product_by_rows,
 };
+#[cfg(feature = "faer")]
+pub use convert::{from_faer, to_faer};
+#[cfg(feature = "nalgebra")]
+pub use convert::{from_nalgebra, to_nalgebra};
 #[cfg(feature = "solvers")]
 pub use direct::{
     Cholesky, GraphSystem, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky, Workload,

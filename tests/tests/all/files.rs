@@ -81,9 +81,8 @@ fn points_are_described_and_converted() {
             assert!(error.contains("288 points without faces"), "{verb}: {error}");
         }
     }
-    for verb in ["repair points.xyz -o a.ply", "geodesic points.xyz --from 0 -o a.ply"] {
-        assert!(refuse(place, verb, 3).contains("points without faces"));
-    }
+    assert!(refuse(place, "geodesic points.xyz --from 0 -o a.ply", 3).contains("points without"));
+    run(place, "--quiet repair points.xyz -o repaired.pcd");
 }
 
 /// Every document that lists formats names all of them.

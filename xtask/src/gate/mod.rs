@@ -51,6 +51,20 @@ const EXAMPLES: Step = Step {
     environment: &[],
 };
 
+/// Meshes and matrices of other crates, behind features that are off.
+const CONVERSIONS: Step = Step {
+    name: "conversions",
+    arguments: &[
+        "test",
+        "--package=fairing-mesh",
+        "--package=fairing-sparse",
+        "--features=nalgebra,parry3d,ply-rs,tobj,faer",
+        "--locked",
+        // Tests and examples of the documentation.
+        "conver",
+    ],
+    environment: &[],
+};
 /// The dense eigensolver of the system as an oracle: only where there is one.
 const LAPACK: Step = Step {
     name: "eigenpairs against LAPACK",
@@ -124,6 +138,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     }
     log.step("tests", || tests.run(root))?;
     log.cargo(root, &EXAMPLES)?;
+    log.cargo(root, &CONVERSIONS)?;
     if has_openblas() {
         log.cargo(root, &LAPACK)?;
     }

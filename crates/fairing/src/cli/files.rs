@@ -172,7 +172,7 @@ fn is_stream(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Reads a mesh with its fields; refuses points without faces.
+/// Reads a mesh with its fields.
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
     let options = reading(context);
     let file = match is_stream(path) {
@@ -180,15 +180,21 @@ pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> 
         false => io::read_with(path, &options),
     };
     let file = file.map_err(unreadable)?;
+    memory::require_for_mesh(file.mesh.vertex_count())?;
+    watch::stage("preparing", 0);
+    Ok(file)
+}
+
+/// [`read`] for commands that need faces: refuses points.
+pub(crate) fn read_surface(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
+    let file = read(context, path)?;
     if file.mesh.face_count() == 0 {
         return Err(Failure::input(anyhow::anyhow!(
-            "{}: {} points without faces, which info and convert take, and other commands do not",
+            "{}: {} points without faces; only info, convert and repair take these",
             path.display(),
             file.mesh.vertex_count()
         )));
     }
-    memory::require_for_mesh(file.mesh.vertex_count())?;
-    watch::stage("preparing", 0);
     Ok(file)
 }
 

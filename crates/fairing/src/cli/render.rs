@@ -103,7 +103,7 @@ impl Render {
 
     fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
         let output = self.output.of(context, input, Content::Png)?;
-        let file = files::read(context, input)?;
+        let file = files::read_surface(context, input)?;
         files::say_report(context, input, &file.report);
         say_orientation(context, input, &file.mesh);
         let (scale, colors) = self.colors(context, &file.mesh, &file.fields)?;

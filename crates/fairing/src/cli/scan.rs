@@ -83,7 +83,7 @@ impl Scan {
         if self.sigma.is_none() && self.kind.is_given() {
             return Err(Failure::usage("--kind, --fraction and --length need --sigma"));
         }
-        let file = files::read(context, input)?;
+        let file = files::read_surface(context, input)?;
         files::say_report(context, input, &file.report);
         let options = ScanOptions {
             camera: self.camera.map(|Point(camera)| camera),

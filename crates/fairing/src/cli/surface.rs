@@ -55,7 +55,7 @@ impl Reading {
         context: &Context,
         path: &Path,
     ) -> Result<(Surface, VertexFields), Failure> {
-        let file = files::read(context, path)?;
+        let file = files::read_surface(context, path)?;
         files::say_report(context, path, &file.report);
         let welded = self.weld.then(|| file.mesh.welded());
         if let Some(Welded { mesh, left_out, .. }) = &welded {

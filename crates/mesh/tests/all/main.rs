@@ -2,6 +2,7 @@
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
+mod conversions;
 mod diagnosis;
 mod large;
 mod measures;

@@ -4,6 +4,7 @@
 
 mod cholesky;
 mod conjugate_gradient;
+mod conversions;
 mod eigenpairs;
 #[cfg(feature = "lapack")]
 mod lapack;

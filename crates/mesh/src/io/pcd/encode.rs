@@ -64,7 +64,7 @@ fn names(fields: &VertexFields) -> Result<Vec<String>, WriteProblem> {
 
 fn header(columns: &[Column<'_>], names: &[String], points: usize, encoding: Encoding) -> Vec<u8> {
     let kinds = columns.iter().flat_map(|column| {
-        // Programs expect colours in the bits of a floating-point number, but as an integer in text.
+        // Programs expect colours in the bits of a floating-point number, in text as an integer.
         let number = match (column, encoding) {
             (Column::Packed(_), Encoding::Binary) => NumberType::F32,
             _ => column.number_type(),
