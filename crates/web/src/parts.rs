@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn wrong_lists_are_refused() {
         for field in [json!("H"), json!(["H"]), json!(["scalar", 1]), json!(["matrix", "H"])] {
-            assert!(size(1, 1, &[field.clone()]).is_err(), "{field}");
+            assert!(size(1, 1, std::slice::from_ref(&field)).is_err(), "{field}");
         }
         let scalar = [json!(["scalar", "H"])];
         assert_eq!(size(u32::MAX, u32::MAX, &scalar).unwrap(), 44 * u64::from(u32::MAX));

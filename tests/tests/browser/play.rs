@@ -230,7 +230,12 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let kept = chrome.run("fairing.views.get('play-denoising').now.found.map((s) => s.creases)")?;
     let kept = numbers(&kept);
     ensure!(kept[2] > 60.0 && kept[1] < 10.0, "{kept:?}");
-    // The caption: with more noise than about a third of an edge, diffusion is the better one.
+    caption_of_denoising(chrome)?;
+    chrome.picture("denoising")
+}
+
+/// The caption: with more noise than about a third of an edge, diffusion is the better one.
+fn caption_of_denoising(chrome: &mut Chrome) -> Result<()> {
     for (sigma, is_filter_better) in [(0.2, true), (0.5, false)] {
         let angles = chrome.run(&format!(
             "(async () => {{
@@ -242,7 +247,7 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
         let angles = numbers(&angles);
         ensure!((angles[2] < angles[1]) == is_filter_better, "σ = {sigma}: {angles:?}");
     }
-    chrome.picture("denoising")
+    Ok(())
 }
 
 /// An integer number of modes gives the projection; in between, the next mode is weighted.

@@ -160,14 +160,8 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
             Err(reason) => missing.push((name, reason)),
         }
     }
-    println!("== times");
-    for (name, seconds) in &log.steps {
-        println!("{seconds:8.1} s  {name}");
-    }
-    println!("== the slowest tests");
-    for (name, seconds) in tests.slowest(NAMED) {
-        println!("{seconds:8.1} s  {name}");
-    }
+    print_times("== times", log.steps.iter().copied());
+    print_times("== the slowest tests", tests.slowest(NAMED).iter().map(|(name, s)| (name, *s)));
     for (what, why) in skipped(root) {
         println!("skipped: {what} ({why})");
     }
@@ -182,6 +176,13 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
         names => eprintln!("FAILED: {}", names.join(", ")),
     }
     Ok(log.failed.is_empty())
+}
+
+fn print_times<Name: std::fmt::Display>(title: &str, times: impl IntoIterator<Item = (Name, f64)>) {
+    println!("{title}");
+    for (name, seconds) in times {
+        println!("{seconds:8.1} s  {name}");
+    }
 }
 
 /// Returns true if `cargo xtask reproduce` with these options writes a report.

@@ -9,7 +9,7 @@ use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_r
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::faces::{FaceShapes, Hinges};
+use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::oriented::on_oriented;
 use crate::{DenoiseError, Masked};
 use stencils::{Stencils, combine};
@@ -81,15 +81,11 @@ fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseErro
         return Ok(mesh.clone());
     }
     let normals = FaceShapes::new(mesh).normals;
-    let angle: f64 = hinges
-        .all
-        .iter()
-        .map(|h| {
-            let [a, b] = h.faces.map(|f| normals[f as usize]);
-            libm::atan2(a.cross(b).length(), a.dot(b))
-        })
-        .sum::<f64>()
-        / hinges.all.len() as f64;
+    let turn = |h: &Hinge| {
+        let [a, b] = h.faces.map(|f| normals[f as usize]);
+        libm::atan2(a.cross(b).length(), a.dot(b))
+    };
+    let angle = hinges.all.iter().map(turn).sum::<f64>() / hinges.all.len() as f64;
     let h = mesh.mean_edge_length();
     let lambda = options.sparsity * 0.02 * angle * h * h;
     let mut alpha = options.regularity * 0.1 * angle;

@@ -19,18 +19,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode,
-    holds: Holds {
-        faces: true,
-        exact: true,
-        polygons: true,
-        colors: true,
-        normals: true,
-        fields: false,
-        face_fields: false,
-        texture: false,
-        binary: false,
-        float_widths: false,
-    },
+    holds: Holds::TEXT,
 };
 
 /// Vertex data announced by the prefixes of the keyword.

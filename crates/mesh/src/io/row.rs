@@ -44,3 +44,19 @@ pub struct Holds {
     /// Numbers of 32 and of 64 bits, as [`FloatWidth`](crate::io::FloatWidth) says.
     pub float_widths: bool,
 }
+
+impl Holds {
+    /// Text with faces of any number of corners, and colours and normals of vertices.
+    pub(super) const TEXT: Self = Self {
+        faces: true,
+        exact: true,
+        polygons: true,
+        colors: true,
+        normals: true,
+        fields: false,
+        face_fields: false,
+        texture: false,
+        binary: false,
+        float_widths: false,
+    };
+}

@@ -119,15 +119,7 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
             continue;
         }
         let (start, first) = (cursor.clone(), values.len());
-        while cursor.more_on_line() && !is_comment(cursor.peek()) {
-            if values.len() - first == MAX_COLUMNS {
-                let expected = format!("at most {MAX_COLUMNS} numbers in a line");
-                return Err(cursor.fault(unexpected(expected, "more")));
-            }
-            let what = if values.len() - first < 3 { "a coordinate" } else { "a number" };
-            values.push(cursor.float(what)?);
-        }
-        cursor.skip_line();
+        numbers_of_line(&mut cursor, &mut values)?;
         let count = values.len() - first;
         if first == 0 && count == 1 && claimed.is_none() {
             claimed = values.pop();
@@ -167,6 +159,21 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
         NamedArray { name, kind: None, components: 1, values }
     });
     of_columns(arrays.collect(), None, notes).map_err(Fault::whole)
+}
+
+/// Appends the numbers of a line up to a comment, and goes to the next.
+fn numbers_of_line(cursor: &mut Cursor<'_>, values: &mut Vec<f64>) -> Result<(), Fault> {
+    let first = values.len();
+    while cursor.more_on_line() && !is_comment(cursor.peek()) {
+        if values.len() - first == MAX_COLUMNS {
+            let expected = format!("at most {MAX_COLUMNS} numbers in a line");
+            return Err(cursor.fault(unexpected(expected, "more")));
+        }
+        let what = if values.len() - first < 3 { "a coordinate" } else { "a number" };
+        values.push(cursor.float(what)?);
+    }
+    cursor.skip_line();
+    Ok(())
 }
 
 /// Names of columns by their numbers.

@@ -60,7 +60,7 @@ pub(crate) fn corpus(module: PathBuf) -> Result<()> {
     for path in paths {
         let bytes = std::fs::read(&path)?;
         let small = bytes.len() <= SMALL;
-        let found = io::read_bytes(&name(&path), &bytes, &ReadOptions::default());
+        let found = io::read_bytes(name(&path), &bytes, &ReadOptions::default());
         requests.push(read(name(&path), bytes));
         if found.is_err() {
             continue;

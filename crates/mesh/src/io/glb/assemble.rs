@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::io::NumberType;
 use crate::io::arrays::{NamedArray, columns};
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::accessor::Accessors;
@@ -12,7 +13,9 @@ use crate::io::glb::document::{Document, Entry};
 use crate::io::glb::primitive::{Shape, shape};
 use crate::io::glb::scene::{Instance, instances};
 use crate::io::parsed::{Broken, NO_VERTEX, Parsed, check_finite};
-use crate::io::{NumberType, ReadReport};
+
+/// The most attributes that a note names.
+const MAX_NAMED: usize = 10;
 
 pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let document = Document::read(bytes)?;
@@ -270,8 +273,8 @@ impl<'a> Joined<'a> {
         }
         if !self.ignored.is_empty() {
             let mut names: Vec<String> = self.ignored.into_iter().collect();
-            if names.len() > ReadReport::NAMED {
-                names.truncate(ReadReport::NAMED);
+            if names.len() > MAX_NAMED {
+                names.truncate(MAX_NAMED);
                 names.push("…".to_owned());
             }
             parsed.notes.push(format!("data of vertices are ignored: {}", names.join(", ")));

@@ -3,7 +3,20 @@
 use serde_json::Value;
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::glb::{BINARY, JSON};
+
+/// The name of the format.
+pub(super) const NAME: &str = "GLB";
+
+/// The first four bytes of a file.
+pub(super) const MAGIC: &[u8] = b"glTF";
+
+/// The types of chunks.
+pub(super) const JSON: u32 = u32::from_le_bytes(*b"JSON");
+pub(super) const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
+
+/// The modes of primitives.
+pub(super) const POINTS: usize = 0;
+pub(super) const TRIANGLES: usize = 4;
 
 /// The JSON and the binary data of a file.
 pub(super) struct Document<'a> {

@@ -7,13 +7,13 @@ use serde_json::{Map, Value, json};
 
 use crate::io::error::WriteProblem;
 use crate::io::glb::color::to_linear;
-use crate::io::glb::{BINARY, JSON, MAGIC, NAME, POINTS, TRIANGLES};
+use crate::io::glb::document::{BINARY, JSON, MAGIC, NAME, POINTS, TRIANGLES};
 use crate::io::number_type::NumberType;
 use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::width::width_of;
 use crate::io::{FloatWidth, WriteOptions};
 
-/// What the arrays are for: vertices, or the corners of faces.
+/// Targets of arrays: vertices, and the corners of faces.
 const OF_VERTICES: u32 = 34962;
 const OF_CORNERS: u32 = 34963;
 

@@ -12,21 +12,8 @@ mod encode;
 mod primitive;
 mod scene;
 
+use crate::io::glb::document::{MAGIC, NAME};
 use crate::io::row::{Holds, Row};
-
-/// The name of the format.
-const NAME: &str = "GLB";
-
-/// The first four bytes of a file.
-const MAGIC: &[u8] = b"glTF";
-
-/// The types of chunks.
-const JSON: u32 = u32::from_le_bytes(*b"JSON");
-const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
-
-/// The modes of primitives.
-const POINTS: usize = 0;
-const TRIANGLES: usize = 4;
 
 pub(super) const FORMAT: Row = Row {
     name: NAME,

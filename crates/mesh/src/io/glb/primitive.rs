@@ -2,8 +2,7 @@
 
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::accessor::Accessors;
-use crate::io::glb::document::Entry;
-use crate::io::glb::{POINTS, TRIANGLES};
+use crate::io::glb::document::{Entry, POINTS, TRIANGLES};
 use crate::io::parsed::{Broken, strip_triangles, vertex_index};
 
 /// The content of a primitive.

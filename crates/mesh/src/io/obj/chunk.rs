@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::io::error::{ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
-use crate::io::obj::corners::Indices;
+use crate::io::obj::indices::Indices;
 use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
 use crate::io::parsed::{Broken, NO_VERTEX, check_finite};
 use crate::io::text::shown;

@@ -10,6 +10,7 @@
 
 mod chunk;
 mod corners;
+mod indices;
 mod scan;
 
 use std::collections::HashMap;
@@ -32,18 +33,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode,
-    holds: Holds {
-        faces: true,
-        exact: true,
-        polygons: true,
-        colors: true,
-        normals: true,
-        fields: false,
-        face_fields: false,
-        texture: true,
-        binary: false,
-        float_widths: false,
-    },
+    holds: Holds { texture: true, ..Holds::TEXT },
 };
 
 /// The size of the pieces that are parsed independently; fixed, so that results

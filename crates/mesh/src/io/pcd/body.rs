@@ -6,8 +6,7 @@ use crate::io::arrays::{MAX_COMPONENTS, NamedArray};
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::number_type::word;
 use crate::io::parsed::{Broken, Parsed, check_finite};
-use crate::io::pcd::header::{Body, Header, Kind};
-use crate::io::pcd::{PADDING, is_packed};
+use crate::io::pcd::header::{Body, Header, Kind, PADDING, is_packed};
 use crate::io::points::of_columns;
 use crate::io::text::{Cursor, normalized};
 

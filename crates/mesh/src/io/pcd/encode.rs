@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::io::column::{Column, columns, rows};
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
-use crate::io::pcd::{NAME, PADDING, is_packed};
+use crate::io::pcd::header::{NAME, PADDING, is_packed};
 use crate::io::ply::layout::vertex_names;
 use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::width::width_of;

@@ -4,6 +4,17 @@ use crate::io::NumberType;
 use crate::io::error::{Fault, unexpected};
 use crate::io::text::Cursor;
 
+/// The name of the format.
+pub(super) const NAME: &str = "PCD";
+
+/// The name of padding.
+pub(super) const PADDING: &str = "_";
+
+/// Returns true for the name of colours in one word.
+pub(super) fn is_packed(name: &str) -> bool {
+    matches!(name, "rgb" | "rgba")
+}
+
 /// The form of the points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Body {

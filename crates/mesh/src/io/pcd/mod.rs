@@ -9,11 +9,9 @@ mod header;
 
 use crate::io::error::Fault;
 use crate::io::parsed::{Broken, Parsed};
+use crate::io::pcd::header::NAME;
 use crate::io::row::{Holds, Row};
 use crate::io::text::Cursor;
-
-/// The name of the format.
-const NAME: &str = "PCD";
 
 pub(super) const FORMAT: Row = Row {
     name: NAME,
@@ -48,14 +46,6 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let header = header::parse(bytes)?;
     body::parse(bytes, &header, broken)
 }
-
-/// Returns true for the name of colours in one word.
-fn is_packed(name: &str) -> bool {
-    matches!(name, "rgb" | "rgba")
-}
-
-/// The name of padding.
-const PADDING: &str = "_";
 
 #[cfg(test)]
 mod tests;
