@@ -8,7 +8,7 @@ use fairing_evaluation::{NoiseLevel, add_noise};
 use fairing_mesh::io::VertexFields;
 use fairing_mesh::{RepairOptions, TriMesh};
 use fairing_parameters::Options as _;
-use fairing_smoothing::{FairRegion, Method, fair_region};
+use fairing_smoothing::{Method, repair_fair};
 use fairing_spectral as spectral;
 use serde_json::{Map, Value, json};
 
@@ -125,24 +125,21 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
         holes: task.holes,
         ..RepairOptions::default()
     };
-    let repaired = fairing_mesh::repair(&mesh, &options)?;
+    let (repaired, flat) = repair_fair(&mesh, &options)?;
     if repaired.mesh.face_count() == 0 && mesh.face_count() > 0 {
         bail!("no face would be left");
     }
     let counts = repaired.changes.iter();
     let counts: Map<String, Value> =
         counts.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect();
-    let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts });
+    let flat = flat.map(|error| error.to_string());
+    let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts, "flat": flat });
     let (fields, dropped) = match repaired.is_unchanged() {
         true => (fields, vec![]),
         false => without(fields, values::is_computed),
     };
     let fields = repaired.carried(&mesh, fields);
-    let mesh = match repaired.patch_vertices() {
-        patch if patch.is_empty() => repaired.mesh,
-        patch => fair_region(&repaired.mesh, &FairRegion::new(patch))?.mesh,
-    };
-    Ok(kept(meshes, mesh, fields, dropped, report))
+    Ok(kept(meshes, repaired.mesh, fields, dropped, report))
 }
 
 #[cfg(test)]

@@ -57,6 +57,7 @@ const SENTENCES = {
   uneven_vertices: (count) => count && `${count} vertices among uneven faces were not moved.`,
   displacement_limit: (length) => `No vertex moved by more than ${readable(length)} file units.`,
   unchanged: (is) => is && 'There was nothing to repair.',
+  flat: (reason) => reason && `The patches of holes stay flat: ${reason}.`,
   changes: (changes) => {
     const counts = Object.entries(changes).map(([name, count]) => `${name.replaceAll('-', ' ')}: ${count}`);
     return counts.length && `Repaired ${counts.join(', ')}.`;
