@@ -184,26 +184,32 @@ fn history(chrome: &mut Chrome, report: &Path) -> Result<()> {
     open(chrome, report, "")?;
     let found = chrome.run(
         "(async () => {
-           const state = () => `${laboratory.steps.length} ${laboratory.last.arrays.positions.reduce((s, x) => s + x * x, 0)} ${seen()}`;
+           const settled = async () => {
+             for (let before = '', now = `${seen()}`; ; before = now, now = `${seen()}`) {
+               if (now === before) return now;
+               await new Promise((go) => setTimeout(go, 100));
+             }
+           };
+           const state = async () => `${laboratory.steps.length} ${laboratory.last.arrays.positions.reduce((s, x) => s + x * x, 0)} ${await settled()}`;
            const key = (shiftKey) => act(() => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: shiftKey ? 'Z' : 'z', ctrlKey: true, shiftKey, bubbles: true})));
            await sample('block');
-           const states = [state()];
+           const states = [await state()];
            task('noise');
            await press('run');
-           states.push(state());
+           states.push(await state());
            task('smooth', {iterations: '3'});
            await press('run');
-           states.push(state());
+           states.push(await state());
            await press('undo');
-           states.push(state());
+           states.push(await state());
            await key(false);
-           states.push(state());
+           states.push(await state());
            const {undo, redo} = laboratory.part;
            const ends = [undo.disabled, redo.disabled];
            await press('redo');
-           states.push(state());
+           states.push(await state());
            await key(true);
-           states.push(state());
+           states.push(await state());
            return [states, ends, redo.disabled, laboratory.part.steps.children.length];
          })()",
     )?;
