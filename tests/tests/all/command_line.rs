@@ -146,7 +146,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
         assert!(error.contains("bad.obj") && error.contains("line 4"), "{error}");
     }
     assert!(refuse(folder.path(), "info absent.ply", 3).contains("absent.ply"));
-    refuse(folder.path(), "convert torus.ply out.xyz", 4);
+    refuse(folder.path(), "convert torus.ply out.abc", 4);
     refuse(folder.path(), "frobnicate", 2);
     assert_eq!(files(folder.path()), ["bad.obj", "torus.ply"]);
 }

@@ -61,11 +61,11 @@ fn write_broken(folder: &Path) {
     let triangle = |third: &str| format!("v 0 0 0\nv 1 0 0\nv {third}\nf 1 2 3\n");
     let garbage: Vec<u8> = (0..3000_u32).map(|i| ((i * i * 31) >> 3) as u8).collect();
     let broken = [
-        ("bad-cut.ply", half("sphere-holes.ply")),
-        ("bad-cut.stl", half("sphere.stl")),
-        ("bad-cut.ply.gz", half("sphere-inside-out.ply.gz")),
-        ("bad-garbage.obj", garbage.clone()),
-        ("bad-garbage.stl", garbage),
+        ("bad-cut-ply.ply", half("sphere-holes.ply")),
+        ("bad-cut-stl.stl", half("sphere.stl")),
+        ("bad-cut-gz.ply.gz", half("sphere-inside-out.ply.gz")),
+        ("bad-garbage-obj.obj", garbage.clone()),
+        ("bad-garbage-stl.stl", garbage),
         ("bad-nan.obj", triangle("nan 0 0").into_bytes()),
         ("bad-infinite.obj", triangle("0 1e999 0").into_bytes()),
         ("bad-index.obj", triangle("0 1 0").replace("2 3", "2 9").into_bytes()),

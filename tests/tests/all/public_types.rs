@@ -192,6 +192,7 @@ all_shared!(
     fairing::smoothing::Window,
     fairing::smoothing::WindowedSinc,
     // denoising
+    fairing::denoising::Masked<'static>,
     fairing::denoising::NoiseEstimate,
     fairing::denoising::NoisyParts,
     fairing::denoising::Automatic,

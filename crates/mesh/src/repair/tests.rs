@@ -187,7 +187,8 @@ fn a_wall_between_two_solids_stays() {
     let result = repaired(&both);
     assert!(result.mesh.topology().is_closed());
     assert_eq!(result.mesh.topology().components().count(), 2);
-    assert_eq!((result.mesh.vertex_count(), result.mesh.signed_volume()), (16, 2.0));
+    assert_eq!(result.mesh.vertex_count(), 16);
+    assert!((result.mesh.signed_volume() - 2.0).abs() < 1e-14);
     assert_eq!(result.changed(RepairStep::DuplicateFaces), [] as [u32; 0]);
 }
 
