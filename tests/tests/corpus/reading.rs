@@ -190,7 +190,8 @@ fn formats(folder: &Path) -> Result<(), Failed> {
             let options = if ascii { WriteOptions::ascii() } else { WriteOptions::default() };
             let bytes = io::to_bytes(format, &read.mesh, &read.fields, &options.dropping_fields());
             let bytes = bytes.map_err(|e| failed(file, e))?;
-            let again = io::read_bytes("", &bytes, &ReadOptions::strict());
+            let name = format!("mesh.{}", format.extensions()[0]);
+            let again = io::read_bytes(name, &bytes, &ReadOptions::strict());
             let again = again.map_err(|e| failed(file, format!("{format}: {e}")))?;
             let round = |x: f64| if holds.exact { x } else { f64::from(x as f32) };
             let positions = read.mesh.positions().iter().map(|p| p.map(round));

@@ -209,11 +209,20 @@ fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String>
             repaired = filled;
         }
     }
+    // One-sided parts stay inconsistent, whatever faces are flipped.
+    let is_still_inconsistent = || {
+        let after = Diagnosis::new(&repaired.mesh).inconsistent_edges.count;
+        after > 0 && after == d.inconsistent_edges.count
+    };
+    let flips_only = repaired.changes.iter().all(|(step, _)| *step == RepairStep::TurnedFaces);
+    if repaired.is_unchanged() || (flips_only && is_still_inconsistent()) {
+        return None;
+    }
     let mut name = input.display().to_string();
     if name.contains(|c: char| !c.is_alphanumeric() && !"/._-+".contains(c)) {
         name = format!("'{}'", name.replace('\'', r"'\''"));
     }
-    (!repaired.is_unchanged()).then(|| format!("fairing repair {name} -o repaired.ply{flags}"))
+    Some(format!("fairing repair {name} -o repaired.ply{flags}"))
 }
 
 /// The number of edges of the largest boundary that is a hole and not a rim: the longest boundary
