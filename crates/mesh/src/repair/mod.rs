@@ -17,6 +17,7 @@ use fairing_watch as watch;
 
 use crate::TriMesh;
 use crate::build::{BuildError, check_positions};
+#[cfg(feature = "io")]
 use crate::io::VertexFields;
 
 /// The most rounds; steps that still undo each other after that many end there. A tolerance in mean
@@ -252,6 +253,7 @@ impl Repaired {
     /// # Panics
     ///
     /// If the fields are not those of `input`.
+    #[cfg(feature = "io")]
     pub fn carried(&self, input: &TriMesh, fields: VertexFields) -> VertexFields {
         let mut fields = if self.changes_normals() { fields.without_normals() } else { fields };
         fields.scalars.retain(|(name, _)| name != "source");
