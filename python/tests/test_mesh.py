@@ -177,7 +177,7 @@ def test_errors_of_files(tmp_path) -> None:
     with pytest.raises(FileNotFoundError):
         pf.Mesh(V, F).write(tmp_path / "no" / "mesh.ply")
     with pytest.raises(pf.OptionError, match="extension must be"):
-        pf.Mesh(V, F).write(tmp_path / "mesh.xyz")
+        pf.Mesh(V, F).write(tmp_path / "mesh.abc")
     assert not list(tmp_path.glob("mesh*"))
 
 
