@@ -1,22 +1,22 @@
-//! The solver backend, faer: the only file that names it.
+//! The solver backend, faer, for orderings, patterns of factors, and small dense matrices: the only
+//! file that names it.
 //!
 //! faer expects compressed columns; a symmetric CSR matrix is its own CSC form, so sprs arrays are
 //! passed without a copy and `Side::Lower` selects one triangle. Everything runs on the calling
-//! thread: supernodes of meshes are too small for the backend's threads (a factorisation of 160
-//! thousand rows took 430 ms on two threads, 375 ms on one).
+//! thread.
 
 use dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor::LdltError;
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::linalg::evd;
+use faer::linalg::cholesky::ldlt::{self, factor::LdltError};
+use faer::linalg::{evd, matmul, triangular_solve};
 use faer::perm::PermRef;
+use faer::reborrow::{Reborrow as _, ReborrowMut as _};
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     self, CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{ColMut, MatMut, MatRef, Par, Side};
+use faer::{Accum, ColMut, MatMut, MatRef, Par, Side};
 
 use crate::direct::supernodes::Supernodes;
 use crate::matrix::Rows;
@@ -24,124 +24,131 @@ use crate::matrix::Rows;
 const SIDE: Side = Side::Lower;
 const SEQUENTIAL: Par = Par::Seq;
 
-/// Failure of the backend.
+/// Not enough memory, or more entries than `u32` can index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Failure {
-    /// The pivot of this row of the permuted matrix is not positive (LLᵀ) or is zero (LDLᵀ).
-    Pivot(usize),
-    /// Not enough memory, or more entries than `u32` can index.
-    TooLarge,
+pub(crate) struct TooLarge;
+
+/// A pivot that ends an elimination: its column and value.
+pub(crate) type Stop = (usize, f64);
+
+/// Entries of L below this become zero: products of two would be subnormal, where arithmetic is
+/// slower by an order of magnitude.
+pub(crate) const NEGLIGIBLE: f64 = f64::from_bits((1023 - 800) << 52);
+
+/// Returns true if the pivot ends the elimination.
+#[inline(always)]
+pub(crate) fn stops(pivot: f64, definite: bool) -> bool {
+    pivot == 0.0 || (definite && (pivot < 0.0 || pivot.is_nan()))
 }
 
-/// A permutation and the pattern of the factor.
-pub(crate) struct Symbolic {
-    inner: cholesky::SymbolicCholesky<u32>,
+/// The pattern of the factor for an elimination order and its inverse, in postorder: row
+/// `order[k]` of the matrix comes k-th.
+pub(crate) fn supernodes(
+    rows: Rows<'_>,
+    order: &[u32],
+    inverse: &[u32],
+) -> Result<Supernodes, TooLarge> {
+    let ordering = SymmetricOrdering::Custom(PermRef::new_checked(order, inverse, order.len()));
+    // Always supernodal: this crate supports no other form, and meshes gain from it. (Zero would
+    // exclude diagonal matrices, which need no operations.)
+    let params = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
+        ..Default::default()
+    };
+    let symbolic = cholesky::factorize_symbolic_cholesky(pattern(rows), SIDE, ordering, params)
+        .map_err(|_| TooLarge)?;
+    let both = (order, inverse);
+    Ok(match symbolic.raw() {
+        SymbolicCholeskyRaw::Supernodal(raw) => {
+            let node = |s: usize| {
+                let columns = raw.supernode_begin()[s] as usize..raw.supernode_end()[s] as usize;
+                (columns, raw.supernode(s).pattern())
+            };
+            Supernodes::new((0..raw.n_supernodes()).map(node), rows, both)
+        }
+        // Every ratio of operations to entries exceeds the threshold, except 0 / 0 of an empty
+        // matrix.
+        SymbolicCholeskyRaw::Simplicial(_) => Supernodes::new(std::iter::empty(), rows, both),
+    })
 }
 
-/// An elimination order: the backend's minimum degree, or a permutation and its inverse.
-pub(crate) enum Order<'a> {
-    MinimumDegree,
-    Given(&'a [u32], &'a [u32]),
+/// Eliminates the first `width` columns of a matrix with the lower triangle in its first rows:
+/// columns of L, with D on the diagonal, take their place. `stride` is the distance of columns.
+///
+/// # Errors
+///
+/// The first pivot that is not positive if `definite`, or is zero.
+pub(crate) fn eliminate_block(
+    values: &mut [f64],
+    width: usize,
+    stride: usize,
+    definite: bool,
+) -> Result<(), Stop> {
+    let height = values.len() - (width - 1) * stride;
+    let block = MatMut::from_column_major_slice_with_stride_mut(values, height, width, stride);
+    let (mut triangle, mut below) = block.split_at_row_mut(width);
+    let scratch =
+        ldlt::factor::cholesky_in_place_scratch::<f64>(width, SEQUENTIAL, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let (regular, own) = Default::default();
+    let stack = MemStack::new(&mut memory);
+    let done = ldlt::factor::cholesky_in_place(triangle.rb_mut(), regular, SEQUENTIAL, stack, own);
+    let end = match done {
+        Ok(_) => width,
+        Err(LdltError::ZeroPivot { index }) => index + 1,
+    };
+    for k in 0..end {
+        let pivot = triangle[(k, k)];
+        if stops(pivot, definite) {
+            return Err((k, pivot));
+        }
+    }
+    if end < width || done.is_err() {
+        return Err((end - 1, 0.0));
+    }
+    triangular_solve::solve_unit_lower_triangular_in_place(
+        triangle.rb(),
+        below.rb_mut().transpose_mut(),
+        SEQUENTIAL,
+    );
+    for k in 0..width {
+        let inverse = 1.0 / values[k * stride + k];
+        let column = &mut values[k * stride + k + 1..][..height - k - 1];
+        column[width - k - 1..].iter_mut().for_each(|l| *l *= inverse);
+        for l in column {
+            *l = if l.abs() < NEGLIGIBLE { 0.0 } else { *l };
+        }
+    }
+    Ok(())
 }
 
-impl std::fmt::Debug for Symbolic {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Symbolic").field("rows", &self.inner.nrows()).finish()
-    }
-}
-
-impl Symbolic {
-    pub(crate) fn new(rows: Rows<'_>, order: &Order<'_>) -> Result<Self, Failure> {
-        let ordering = match *order {
-            Order::MinimumDegree => SymmetricOrdering::Amd,
-            Order::Given(order, inverse) => {
-                SymmetricOrdering::Custom(PermRef::new_checked(order, inverse, order.len()))
-            }
-        };
-        // Always supernodal: the sweeps of this crate support no other form, and meshes gain from
-        // it. (Zero would exclude diagonal matrices, which need no operations.)
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
-            ..Default::default()
-        };
-        let inner = cholesky::factorize_symbolic_cholesky(pattern(rows), SIDE, ordering, params)
-            .map_err(|_| Failure::TooLarge)?;
-        Ok(Self { inner })
-    }
-
-    /// The elimination order: row `order[k]` of the matrix comes k-th.
-    pub(crate) fn order(&self) -> Vec<u32> {
-        match self.inner.perm() {
-            Some(perm) => perm.arrays().0.to_vec(),
-            None => (0..self.inner.nrows() as u32).collect(),
-        }
-    }
-
-    /// The supernodes of the factor.
-    pub(crate) fn supernodes(&self) -> Supernodes {
-        match self.inner.raw() {
-            SymbolicCholeskyRaw::Supernodal(raw) => {
-                Supernodes::new((0..raw.n_supernodes()).map(|s| {
-                    let columns =
-                        raw.supernode_begin()[s] as usize..raw.supernode_end()[s] as usize;
-                    (columns, raw.supernode(s).pattern())
-                }))
-            }
-            // Every ratio of operations to entries exceeds the threshold, except 0 / 0 of an empty
-            // matrix.
-            SymbolicCholeskyRaw::Simplicial(_) => Supernodes::new(std::iter::empty()),
-        }
-    }
-
-    /// The number of values stored in a factor.
-    pub(crate) fn len(&self) -> usize {
-        self.inner.len_val()
-    }
-
-    /// Factorises A = L Lᵀ into `values`.
-    pub(crate) fn llt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
-        let scratch =
-            self.inner.factorize_numeric_llt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let (mut memory, a) = (allocate(scratch)?, values_of(rows));
-        let stack = MemStack::new(&mut memory);
-        let (regular, own) = Default::default();
-        match self.inner.factorize_numeric_llt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
-            Ok(_) => Ok(()),
-            Err(LltError::NonPositivePivot { index }) => Err(Failure::Pivot(index)),
-        }
-    }
-
-    /// Factorises A = L D Lᵀ into `values`, with D on the diagonals of the supernodes.
-    pub(crate) fn ldlt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
-        let scratch =
-            self.inner.factorize_numeric_ldlt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let (mut memory, a) = (allocate(scratch)?, values_of(rows));
-        let stack = MemStack::new(&mut memory);
-        let (regular, own) = Default::default();
-        match self.inner.factorize_numeric_ldlt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
-            Ok(_) => Ok(()),
-            Err(LdltError::ZeroPivot { index }) => Err(Failure::Pivot(index)),
-        }
-    }
+/// C ← C − A Bᵀ for matrices stored by columns, each with the distance of its columns; `size` has
+/// the rows and columns of C, and the columns of A and B.
+pub(crate) fn subtract_product(
+    (c, c_stride): (&mut [f64], usize),
+    (a, a_stride): (&[f64], usize),
+    (b, b_stride): (&[f64], usize),
+    [rows, columns, inner]: [usize; 3],
+) {
+    let c = MatMut::from_column_major_slice_with_stride_mut(c, rows, columns, c_stride);
+    let a = MatRef::from_column_major_slice_with_stride(a, rows, inner, a_stride);
+    let b = MatRef::from_column_major_slice_with_stride(b, columns, inner, b_stride);
+    matmul::matmul(c, Accum::Add, a, b.transpose(), -1.0, SEQUENTIAL);
 }
 
 /// Allocates working memory.
-fn allocate(needed: StackReq) -> Result<MemBuffer, Failure> {
-    MemBuffer::try_new(needed).map_err(|_| Failure::TooLarge)
-}
-
-fn values_of(rows: Rows<'_>) -> SparseColMatRef<'_, u32, f64> {
-    SparseColMatRef::new(pattern(rows), rows.values)
+fn allocate(needed: StackReq) -> Result<MemBuffer, TooLarge> {
+    MemBuffer::try_new(needed).map_err(|_| TooLarge)
 }
 
 /// The minimum degree order of a symmetric matrix: row `order[k]` is eliminated k-th.
-pub(crate) fn minimum_degree(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
+pub(crate) fn minimum_degree(rows: Rows<'_>) -> Result<Vec<u32>, TooLarge> {
     let n = rows.count();
     let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
     let mut memory = allocate(amd::order_scratch::<u32>(n, rows.columns.len()))?;
     let stack = MemStack::new(&mut memory);
     amd::order(&mut order, &mut inverse, pattern(rows), Default::default(), stack)
-        .map_err(|_| Failure::TooLarge)?;
+        .map_err(|_| TooLarge)?;
     Ok(order)
 }
 

@@ -1,15 +1,15 @@
-//! Sparse Cholesky factorisation A = L Lᵀ of symmetric positive definite matrices.
+//! Sparse Cholesky factorisation A = L D Lᵀ of symmetric positive definite matrices.
 
 use std::sync::Arc;
 
 use ndarray::{ArrayView2, ArrayViewMut2};
 
 use crate::direct::analysis::Analysis;
-use crate::direct::backend::{Failure, Order, Symbolic};
+use crate::direct::backend::{self, TooLarge};
 use crate::direct::factor::Factor;
 use crate::direct::ldlt::Ldlt;
+use crate::direct::multifrontal;
 use crate::direct::ordering::{self, Ordering};
-use crate::direct::sweeps::Diagonal;
 use crate::direct::symmetry;
 use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
@@ -56,36 +56,26 @@ impl SymbolicCholesky {
         symmetry::check(matrix)?;
         let rows = Rows::new(matrix);
         let n = rows.count();
-        let composed;
         let order = match ordering {
-            Ordering::MinimumDegree | Ordering::LeastFill => Order::MinimumDegree,
-            Ordering::NestedDissection | Ordering::Natural | Ordering::Custom(_) => {
-                let custom = match ordering {
-                    Ordering::Custom(order) => order,
-                    Ordering::NestedDissection => {
-                        ordering::dissected(rows).map_err(|_| SparseError::TooLarge { rows: n })?
-                    }
-                    _ => (0..n as u32).collect(),
-                };
-                let bad =
-                    |entry| SparseError::NotAnOrdering { length: custom.len(), rows: n, entry };
-                let inverse = ordering::invert(&custom).map_err(bad)?;
-                if custom.len() != n {
-                    return Err(bad(n as u32));
-                }
-                let order = ordering::postordered(rows, &custom, &inverse);
-                let inverse = ordering::invert(&order).map_err(bad)?;
-                composed = (order, inverse);
-                Order::Given(&composed.0, &composed.1)
-            }
+            Ordering::MinimumDegree | Ordering::LeastFill => backend::minimum_degree(rows),
+            Ordering::NestedDissection => ordering::dissected(rows),
+            Ordering::Natural => Ok((0..n as u32).collect()),
+            Ordering::Custom(order) => Ok(order),
         };
-        let symbolic =
-            Symbolic::new(rows, &order).map_err(|_| SparseError::TooLarge { rows: n })?;
+        let too_large = |_| SparseError::TooLarge { rows: n };
+        let order = order.map_err(too_large)?;
+        let bad = |entry| SparseError::NotAnOrdering { length: order.len(), rows: n, entry };
+        let inverse = ordering::invert(&order).map_err(bad)?;
+        if order.len() != n {
+            return Err(bad(n as u32));
+        }
+        let order = ordering::postordered(rows, &order, &inverse);
+        let inverse = ordering::invert(&order).map_err(|_| too_large(TooLarge))?;
+        let nodes = backend::supernodes(rows, &order, &inverse).map_err(too_large)?;
         Ok(Self {
             analysis: Arc::new(Analysis {
-                nodes: symbolic.supernodes(),
-                order: symbolic.order(),
-                symbolic,
+                nodes,
+                order,
                 starts: rows.starts.to_vec(),
                 columns: rows.columns.to_vec(),
             }),
@@ -125,21 +115,17 @@ impl SymbolicCholesky {
         self.analysis.nodes.entries()
     }
 
-    /// Factorises a matrix with the pattern of the analysed one: A = L Lᵀ.
+    /// Factorises a positive definite matrix with the pattern of the analysed one.
     ///
     /// # Errors
     ///
     /// [`SparseError::Indefinite`] or [`SparseError::Singular`] with the pivot; the input
     /// errors of [`SymbolicCholesky::new`]; [`SparseError::PatternChanged`].
     pub fn factorize(&self, matrix: &SparseMatrix) -> Result<Cholesky, SparseError> {
-        fairing_watch::check();
-        let mut values = vec![0.0; self.analysis.symbolic.len()];
-        self.llt(matrix, &mut values)?;
-        let analysis = Arc::clone(&self.analysis);
-        Ok(Cholesky { factor: Factor { analysis, values, diagonal: Diagonal::Factor } })
+        Ok(Cholesky { factor: self.definite(matrix, vec![])? })
     }
 
-    /// Factorises a matrix that may be indefinite, without pivoting: A = L D Lᵀ.
+    /// Factorises a matrix that may be indefinite, without pivoting.
     ///
     /// Exists if no leading block, in the order of elimination, is singular; near-singular leading
     /// blocks cost accuracy, which [`Ldlt::growth`] measures.
@@ -149,73 +135,59 @@ impl SymbolicCholesky {
     /// [`SparseError::Singular`] with the pivot; the input errors of [`SymbolicCholesky::new`];
     /// [`SparseError::PatternChanged`].
     pub fn factorize_indefinite(&self, matrix: &SparseMatrix) -> Result<Ldlt, SparseError> {
-        fairing_watch::check();
         self.check_pattern(matrix)?;
-        let rows = Rows::new(matrix);
-        let mut values = vec![0.0; self.analysis.symbolic.len()];
-        let diagonal = rows.diagonal();
-        match self.analysis.symbolic.ldlt(rows, &mut values) {
-            Ok(()) => {}
-            Err(Failure::Pivot(k)) => {
-                let row = self.analysis.order[k] as usize;
-                return Err(SparseError::Singular { row, pivot: 0.0, diagonal: diagonal[row] });
-            }
-            Err(Failure::TooLarge) => return Err(SparseError::TooLarge { rows: self.rows() }),
-        }
-        for (k, pivot) in self.analysis.nodes.diagonal(&values).enumerate() {
+        let (rows, nodes) = (Rows::new(matrix), &self.analysis.nodes);
+        let mut values = vec![];
+        let done = multifrontal::factorize(nodes, rows.values, 1.0, false, &mut values);
+        let bad = |pivot: &f64| *pivot == 0.0 || !pivot.is_finite();
+        let failed = match done {
+            Ok(()) => nodes.diagonal(&values).enumerate().find(|(_, pivot)| bad(pivot)),
+            Err(stop) => Some(stop),
+        };
+        if let Some((k, pivot)) = failed {
             let row = self.analysis.order[k] as usize;
-            if pivot == 0.0 || !pivot.is_finite() {
-                return Err(SparseError::Singular { row, pivot, diagonal: diagonal[row] });
-            }
+            return Err(SparseError::Singular { row, pivot, diagonal: rows.diagonal()[row] });
         }
         let largest: Vec<f64> = (0..rows.count())
             .map(|i| rows.row(i).1.iter().fold(0.0, |m: f64, v| m.max(v.abs())))
             .collect();
         let analysis = Arc::clone(&self.analysis);
-        Ok(Ldlt::new(Factor { analysis, values, diagonal: Diagonal::Pivots }, &largest))
+        Ok(Ldlt::new(Factor { analysis, values }, &largest))
     }
 
-    fn llt(&self, matrix: &SparseMatrix, values: &mut [f64]) -> Result<(), SparseError> {
+    /// The factor of a positive definite matrix, in the memory of `values`.
+    fn definite(&self, matrix: &SparseMatrix, mut values: Vec<f64>) -> Result<Factor, SparseError> {
         self.check_pattern(matrix)?;
-        let analysis = &*self.analysis;
-        let rows = Rows::new(matrix);
+        let (rows, nodes) = (Rows::new(matrix), &self.analysis.nodes);
         let diagonal = rows.diagonal();
-        let (scaled, root) = scaled_up(rows, &diagonal);
-        let failed = match analysis.symbolic.llt(Rows { values: &scaled, ..rows }, values) {
+        let largest = diagonal.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        let exponent = if largest > 0.0 { HEADROOM - libm::log2(largest) as i32 } else { 0 };
+        let scale = 2f64.powi(exponent.clamp(-1000, 1000));
+        let done = multifrontal::factorize(nodes, rows.values, scale, true, &mut values);
+        // The size of a pivot that would be zero without rounding, relative to its diagonal entry.
+        // Errors accumulate like a random walk: 2 to 5 ε √n were measured on grids.
+        let noise = 64.0 * f64::EPSILON * (self.rows() as f64).sqrt();
+        let order = &self.analysis.order;
+        let failed = match done {
             Ok(()) => {
-                unscale(values, root);
-                let floor = self.noise();
-                analysis.nodes.diagonal(values).enumerate().find_map(|(k, l)| {
-                    let row = analysis.order[k] as usize;
-                    (l * l <= floor * diagonal[row].abs()).then_some((row, l * l))
-                })
+                nodes.diagonal_mut(&mut values, |pivot| pivot / scale);
+                let tiny = |(k, pivot): &(usize, f64)| {
+                    pivot.is_nan() || *pivot <= noise * diagonal[order[*k] as usize].abs()
+                };
+                nodes.diagonal(&values).enumerate().find(tiny)
             }
-            Err(Failure::TooLarge) => return Err(SparseError::TooLarge { rows: self.rows() }),
-            Err(Failure::Pivot(k)) => {
-                Some((analysis.order[k] as usize, self.pivot(matrix, k, values)))
-            }
+            Err((k, pivot)) => Some((k, pivot / scale)),
         };
-        let Some((row, pivot)) = failed else { return Ok(()) };
+        let Some((k, pivot)) = failed else {
+            return Ok(Factor { analysis: Arc::clone(&self.analysis), values });
+        };
+        let row = order[k] as usize;
         let diagonal = diagonal[row];
-        Err(if pivot < -self.noise() * diagonal.abs() || diagonal < 0.0 {
+        Err(if pivot < -noise * diagonal.abs() || diagonal < 0.0 {
             SparseError::Indefinite { row, pivot, diagonal }
         } else {
             SparseError::Singular { row, pivot, diagonal }
         })
-    }
-
-    /// The size of a pivot that would be zero without rounding, relative to its diagonal entry.
-    /// Errors accumulate like a random walk: 2 to 5 ε √n were measured on grids.
-    fn noise(&self) -> f64 {
-        64.0 * f64::EPSILON * (self.rows() as f64).sqrt()
-    }
-
-    /// The k-th pivot, which the backend does not return when it fails there.
-    fn pivot(&self, matrix: &SparseMatrix, k: usize, values: &mut [f64]) -> f64 {
-        match self.analysis.symbolic.ldlt(Rows::new(matrix), values) {
-            Ok(()) => self.analysis.nodes.diagonal(values).nth(k).unwrap_or(0.0),
-            Err(_) => 0.0,
-        }
     }
 
     fn check_pattern(&self, matrix: &SparseMatrix) -> Result<(), SparseError> {
@@ -237,33 +209,12 @@ impl SymbolicCholesky {
 }
 
 /// The binary exponent to which the largest diagonal entry is scaled. Entries of L decay
-/// geometrically with the distance from the diagonal; for small time steps they become subnormal,
-/// where arithmetic is slower by an order of magnitude. Scaling allows twice as long a decay.
+/// geometrically with the distance from the diagonal; for small time steps their products become
+/// subnormal, where arithmetic is slower by an order of magnitude. Scaling, which is exact, allows
+/// a longer decay.
 const HEADROOM: i32 = 600;
 
-/// The values of A 2^(2 root), whose largest diagonal entry is near 2^[`HEADROOM`], and `root`.
-/// Exact.
-fn scaled_up(rows: Rows<'_>, diagonal: &[f64]) -> (Vec<f64>, i32) {
-    let largest = diagonal.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
-    if largest == 0.0 {
-        return (rows.values.to_vec(), 0);
-    }
-    let root = (HEADROOM - libm::log2(largest) as i32) / 2;
-    let half = 2f64.powi(root.clamp(-500, 500));
-    (rows.values.iter().map(|v| v * half * half).collect(), root.clamp(-500, 500))
-}
-
-/// Undoes [`scaled_up`] on the factor. Values that would be nearly subnormal next to a largest
-/// entry of 1 become zero, for speed: a block smaller than the rest by 2⁻¹⁸⁰⁰ is singular.
-fn unscale(values: &mut [f64], root: i32) {
-    let scale = 2f64.powi(-root);
-    let cutoff = 2f64.powi(HEADROOM / 2 - 900);
-    for v in values {
-        *v = if v.abs() < cutoff { 0.0 } else { *v * scale };
-    }
-}
-
-/// A factorised symmetric positive definite matrix, A = L Lᵀ.
+/// A factorised symmetric positive definite matrix, A = L D Lᵀ.
 #[doc(alias("SimplicialLLT", "llt"))]
 #[derive(Debug, Clone)]
 pub struct Cholesky {
@@ -286,7 +237,8 @@ impl Cholesky {
     ///
     /// As [`SymbolicCholesky::factorize`].
     pub fn refactorize(mut self, matrix: &SparseMatrix) -> Result<Self, SparseError> {
-        self.symbolic().llt(matrix, &mut self.factor.values)?;
+        let values = std::mem::take(&mut self.factor.values);
+        self.factor = self.symbolic().definite(matrix, values)?;
         Ok(self)
     }
 
@@ -304,9 +256,9 @@ impl Cholesky {
         self.factor.rows()
     }
 
-    /// log det A = 2 Σ log Lᵢᵢ.
+    /// log det A = Σ log dᵢ.
     pub fn log_determinant(&self) -> f64 {
-        self.factor.analysis.nodes.diagonal(&self.factor.values).map(|l| 2.0 * libm::log(l)).sum()
+        self.factor.analysis.nodes.diagonal(&self.factor.values).map(libm::log).sum()
     }
 
     /// x with A x = b.

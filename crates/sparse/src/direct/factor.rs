@@ -7,17 +7,16 @@ use ndarray::{ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 use crate::direct::analysis::Analysis;
-use crate::direct::sweeps::{self, Diagonal};
+use crate::direct::sweeps;
 
 /// Right-hand sides of a block that are solved in one sweep.
 pub(crate) const LANES: usize = 8;
 
-/// L and, for L D Lᵀ, D.
+/// L, with D on its diagonal.
 #[derive(Clone)]
 pub(crate) struct Factor {
     pub(crate) analysis: Arc<Analysis>,
     pub(crate) values: Vec<f64>,
-    pub(crate) diagonal: Diagonal,
 }
 
 impl std::fmt::Debug for Factor {
@@ -25,7 +24,6 @@ impl std::fmt::Debug for Factor {
         f.debug_struct("Factor")
             .field("rows", &self.rows())
             .field("numbers", &self.values.len())
-            .field("diagonal", &self.diagonal)
             .finish()
     }
 }
@@ -67,7 +65,7 @@ impl Factor {
 
     /// Solves in place for rows in the order of the factor.
     pub(crate) fn solve_ordered<const B: usize>(&self, x: &mut [[f64; B]]) {
-        sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, x);
+        sweeps::solve(&self.analysis.nodes, &self.values, x);
     }
 
     /// Solves for right-hand sides written by `gather(row, lanes)`; the solution is in the order of
@@ -80,7 +78,7 @@ impl Factor {
         for (x, &row) in x.iter_mut().zip(&self.analysis.order) {
             gather(row as usize, x);
         }
-        sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, &mut x);
+        sweeps::solve(&self.analysis.nodes, &self.values, &mut x);
         Permuted { x }
     }
 }

@@ -6,11 +6,13 @@
 mod analysis;
 pub(crate) mod backend;
 pub(crate) mod cholesky;
+mod dense;
 mod dissection;
 mod elimination;
 pub(crate) mod factor;
 mod graph_system;
 pub(crate) mod ldlt;
+mod multifrontal;
 pub(crate) mod ordering;
 mod solver_choice;
 mod supernodes;

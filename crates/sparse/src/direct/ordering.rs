@@ -1,6 +1,6 @@
 //! Fill-reducing orderings and the elimination tree.
 
-use crate::direct::backend::{self, Failure};
+use crate::direct::backend::{self, TooLarge};
 use crate::direct::dissection;
 use crate::matrix::Rows;
 
@@ -36,7 +36,7 @@ pub(crate) fn usual_fill(rows: usize) -> f64 {
 }
 
 /// The nested dissection order.
-pub(crate) fn dissected(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
+pub(crate) fn dissected(rows: Rows<'_>) -> Result<Vec<u32>, TooLarge> {
     let mut dissection = dissection::dissect(rows);
     dissection.leaves.sort_unstable();
     let leaves = dissection.leaves;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::matrix::Rows;
+
 /// Groups of columns with the same row pattern in a lower triangular factor.
 ///
 /// Supernode `s` holds the columns `range(s)` and, below its dense triangle, the rows `rows(s)`.
@@ -12,6 +14,9 @@ pub(crate) struct Supernodes {
     row_start: Vec<usize>,
     value_start: Vec<usize>,
     rows: Vec<u32>,
+    parents: Vec<Option<u32>>,
+    entry_start: Vec<usize>,
+    entries: Vec<(u32, u32)>,
     parts: Vec<Part>,
     top: Vec<u32>,
 }
@@ -41,13 +46,21 @@ const SMALLEST_PART: usize = 200;
 const WORTH_CUTTING: usize = 200_000;
 
 impl Supernodes {
-    /// The pattern of supernodes in ascending order, each given by its columns and rows.
-    pub(crate) fn new<'a>(nodes: impl Iterator<Item = (Range<usize>, &'a [u32])>) -> Self {
+    /// The pattern of the factor of a matrix: supernodes in ascending order, each given by its
+    /// columns and rows.
+    pub(crate) fn new<'a>(
+        nodes: impl Iterator<Item = (Range<usize>, &'a [u32])>,
+        matrix: Rows<'_>,
+        (order, inverse): (&[u32], &[u32]),
+    ) -> Self {
         let mut all = Self {
             begin: vec![0],
             row_start: vec![0],
             value_start: vec![0],
             rows: vec![],
+            parents: vec![],
+            entry_start: vec![],
+            entries: vec![],
             parts: vec![],
             top: vec![],
         };
@@ -59,8 +72,50 @@ impl Supernodes {
             all.rows.extend_from_slice(rows);
             all.row_start.push(all.rows.len());
         }
+        all.parents = all.find_parents();
+        all.find_entries(matrix, order, inverse);
         all.cut();
         all
+    }
+
+    /// The parent of a supernode in the elimination tree.
+    pub(crate) fn parent(&self, s: usize) -> Option<usize> {
+        self.parents[s].map(|p| p as usize)
+    }
+
+    /// The entries of the matrix in a column of the factor: the place in the column, and the index
+    /// of the value in the matrix.
+    pub(crate) fn entries_of(&self, column: usize) -> &[(u32, u32)] {
+        &self.entries[self.entry_start[column]..self.entry_start[column + 1]]
+    }
+
+    /// The number of values of a factor.
+    pub(crate) fn value_count(&self) -> usize {
+        self.value_start[self.len()]
+    }
+
+    /// Finds the places of the entries on and below the diagonal, before rows are renumbered.
+    fn find_entries(&mut self, matrix: Rows<'_>, order: &[u32], inverse: &[u32]) {
+        self.entries.reserve_exact((matrix.columns.len() + order.len()) / 2);
+        self.entry_start.push(0);
+        for s in 0..self.len() {
+            let (columns, rows) = (self.range(s), self.row_start[s]..self.row_start[s + 1]);
+            for k in columns.clone() {
+                let row = order[k] as usize;
+                for (entry, &j) in matrix.range(row).zip(matrix.row(row).0) {
+                    let i = inverse[j as usize];
+                    let place = match (i as usize).checked_sub(columns.end) {
+                        _ if (i as usize) < k => continue,
+                        None => i as usize - columns.start,
+                        Some(_) => {
+                            columns.len() + self.rows[rows.clone()].partition_point(|r| *r < i)
+                        }
+                    };
+                    self.entries.push((place as u32, entry as u32));
+                }
+                self.entry_start.push(self.entries.len());
+            }
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -103,6 +158,16 @@ impl Supernodes {
             let block = &values[self.values(s)];
             (0..width).map(move |j| block[j * (height + 1)])
         })
+    }
+
+    /// Changes the diagonal of the factor with these values.
+    pub(crate) fn diagonal_mut(&self, values: &mut [f64], change: impl Fn(f64) -> f64) {
+        for s in 0..self.len() {
+            let width = self.range(s).len();
+            let height = width + self.rows(s).len();
+            let block = &mut values[self.values(s)];
+            block.iter_mut().step_by(height + 1).take(width).for_each(|d| *d = change(*d));
+        }
     }
 
     /// Σₖ lᵢₖ² |dₖ| for each row i of the factor of L D Lᵀ with these values, D on the diagonal of
@@ -164,23 +229,22 @@ impl Supernodes {
 
     /// Finds the parts and renumbers their rows.
     fn cut(&mut self) {
-        let total = self.value_start[self.len()];
+        let total = self.value_count();
         if total < WORTH_CUTTING {
             self.top = (0..self.len() as u32).collect();
             return;
         }
-        let parent = self.parents();
         let (mut first, mut weight): (Vec<usize>, Vec<usize>) =
             (0..self.len()).map(|s| (s, self.values(s).len())).unzip();
         for s in 0..self.len() {
-            if let Some(p) = parent[s] {
+            if let Some(p) = self.parent(s) {
                 first[p] = first[p].min(first[s]);
                 weight[p] += weight[s];
             }
         }
         let largest = total / LARGEST_PART;
         for s in 0..self.len() {
-            let maximal = parent[s].is_none_or(|p| weight[p] > largest);
+            let maximal = self.parent(s).is_none_or(|p| weight[p] > largest);
             if maximal && weight[s] <= largest && weight[s] >= total / SMALLEST_PART {
                 self.parts.push(Part {
                     nodes: first[s]..s + 1,
@@ -207,11 +271,11 @@ impl Supernodes {
     }
 
     /// The parent of each supernode: the one that holds its first row below the triangle.
-    fn parents(&self) -> Vec<Option<usize>> {
+    fn find_parents(&self) -> Vec<Option<u32>> {
         (0..self.len())
             .map(|s| {
                 let row = *self.rows(s).first()? as usize;
-                Some(self.begin.partition_point(|&b| b <= row) - 1)
+                Some((self.begin.partition_point(|&b| b <= row) - 1) as u32)
             })
             .collect()
     }

@@ -17,24 +17,10 @@ use crate::simd::{self, Kernel, fused};
 /// Columns of a supernode processed together.
 const GROUP: usize = 4;
 
-/// The contents of the diagonal of a factor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Diagonal {
-    /// L Lᵀ: the diagonal of L.
-    Factor,
-    /// L D Lᵀ: D, with ones on the diagonal of L.
-    Pivots,
-}
-
-/// Solves A x = b in place, A = L Lᵀ or L D Lᵀ, rows in the order of the factor.
-pub(crate) fn solve<const B: usize>(
-    nodes: &Supernodes,
-    values: &[f64],
-    diagonal: Diagonal,
-    x: &mut [[f64; B]],
-) {
+/// Solves A x = b in place, A = L D Lᵀ, rows in the order of the factor.
+pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut [[f64; B]]) {
     assert_eq!(nodes.columns(), x.len(), "one row for each column");
-    let factor = FactorView { nodes, values, diagonal };
+    let factor = FactorView { nodes, values };
     let shared = &*x;
     let locals: Vec<Vec<[f64; B]>> = nodes
         .parts()
@@ -102,7 +88,7 @@ impl<const B: usize, I: Iterator<Item = usize>> Kernel for Forward<'_, B, I> {
     }
 }
 
-/// Lᵀ x = b or D Lᵀ x = b over some supernodes.
+/// D Lᵀ x = b over some supernodes.
 struct Backward<'a, const B: usize, I> {
     factor: FactorView<'a>,
     nodes: I,
@@ -125,7 +111,6 @@ impl<const B: usize, I: Iterator<Item = usize>> Kernel for Backward<'_, B, I> {
 struct FactorView<'a> {
     nodes: &'a Supernodes,
     values: &'a [f64],
-    diagonal: Diagonal,
 }
 
 impl FactorView<'_> {
@@ -145,18 +130,16 @@ impl FactorView<'_> {
         }
     }
 
-    /// One supernode of D Lᵀ x = b (Lᵀ x = b without D): divides by D, subtracts the rows below
+    /// One supernode of D Lᵀ x = b: divides by D, subtracts the rows below
     /// from its columns, then solves with its triangle.
     #[inline(always)]
     fn backward<const B: usize>(self, s: usize, offset: usize, x: &mut [[f64; B]]) {
         let node = Node::new(self, s, offset);
-        if self.diagonal == Diagonal::Pivots {
-            for j in 0..node.width {
-                let d = node.block[j * (node.height + 1)];
-                let x = &mut x[node.start + j];
-                for lane in 0..B {
-                    x[lane] /= d;
-                }
+        for j in 0..node.width {
+            let d = node.block[j * (node.height + 1)];
+            let x = &mut x[node.start + j];
+            for lane in 0..B {
+                x[lane] /= d;
             }
         }
         let grouped = node.width - node.width % GROUP;
@@ -177,7 +160,6 @@ struct Node<'a> {
     width: usize,
     height: usize,
     start: usize,
-    diagonal: Diagonal,
 }
 
 impl<'a> Node<'a> {
@@ -190,7 +172,6 @@ impl<'a> Node<'a> {
             width: range.len(),
             height: range.len() + rows.len(),
             start: range.start - offset,
-            diagonal: factor.diagonal,
         }
     }
 
@@ -209,12 +190,6 @@ impl<'a> Node<'a> {
             let mut value = x[start + j + g];
             for before in 0..g {
                 value = subtract(value, columns[before][j + g], &top[before]);
-            }
-            if self.diagonal == Diagonal::Factor {
-                let inverse = 1.0 / columns[g][j + g];
-                for lane in 0..B {
-                    value[lane] *= inverse;
-                }
             }
             x[start + j + g] = value;
             top[g] = value;
@@ -261,12 +236,6 @@ impl<'a> Node<'a> {
         for g in (0..G).rev() {
             for after in g + 1..G {
                 sums[g] = subtract(sums[g], columns[g][j + after], &x[start + j + after]);
-            }
-            if self.diagonal == Diagonal::Factor {
-                let inverse = 1.0 / columns[g][j + g];
-                for lane in 0..B {
-                    sums[g][lane] *= inverse;
-                }
             }
             x[start + j + g] = sums[g];
         }
