@@ -70,7 +70,8 @@ pub(crate) fn logarithmic(low: f64, high: f64, wanted: usize) -> Ticks {
         let minor = multiples(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0]);
         return Ticks { major, minor, exponent: 0 };
     }
-    let step = (decades / wanted.max(1) as f64).ceil().max(1.0) as i32;
+    // One more than wanted, so that two decades do not end up with one label.
+    let step = (decades / (wanted + 1) as f64).ceil().max(1.0) as i32;
     let major = range
         .clone()
         .filter(|e| e % step == 0 && within(10f64.powi(*e)))
@@ -109,6 +110,7 @@ mod tests {
         assert_eq!(labels(&logarithmic(0.04, 0.6, 5)), ["0.05", "0.1", "0.2", "0.5"]);
         assert_eq!(labels(&logarithmic(1e-5, 2e-2, 5)), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert_eq!(labels(&logarithmic(1e-12, 1.0, 4)), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
+        assert_eq!(labels(&logarithmic(0.05, 15.0, 2)), ["10⁻¹", "10⁰", "10¹"]);
         assert_eq!(labels(&logarithmic(1.0, 3.0, 4)), ["1.0", "1.5", "2.0", "2.5", "3.0"]);
     }
 }

@@ -64,8 +64,9 @@ Playground.kinds.set('ellipsoid', class extends Playground {
   flat(section, ours, theirs, around) {
     const all = around(section);
     const [width, height] = [0, 1].map((k) => Math.max(...all.map((p) => Math.abs(p[k]))));
-    const size = 1.15 * Math.max(width, height);
-    const {svg, add} = picture(`${-size} ${-size} ${2 * size} ${2 * size}`, 'the section along the normal, with the circle that fits and that of the original report', 'plot square');
+    // One and a half times as wide as high, as the picture beside it.
+    const size = 1.15 * Math.max(width / 1.5, height);
+    const {svg, add} = picture(`${-1.5 * size} ${-size} ${3 * size} ${2 * size}`, 'the section along the normal, with the circle that fits and that of the original report', 'plot square');
     const path = (f, kind) => add('path', {class: `curve ${kind}`, 'vector-effect': 'non-scaling-stroke', d: `M${around(f).map(([x, s]) => `${x.toFixed(4)} ${(-s).toFixed(4)}`).join('L')}`});
     path(section, 'soft');
     path(ours, 'blue');

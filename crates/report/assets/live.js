@@ -72,6 +72,13 @@ class LiveFlows {
     this.changed();
   }
 
+  /** The sliders as they were at first, and no results. */
+  reset() {
+    for (const input of [this.lambda, this.count]) input.value = input.defaultValue;
+    this.words();
+    this.forget();
+  }
+
   /** Hands the input and the truth to the module. */
   async prepare() {
     this.mesh = await Computing.add(this.input, this.faces);

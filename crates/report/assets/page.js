@@ -212,7 +212,6 @@ const fairing = (() => {
         unfold(fold);
         fold.open = true;
       }
-      for (const figure of plays) views.get(figure.id).open();
     });
     addEventListener('afterprint', () => {
       for (const fold of opened) fold.open = false;

@@ -154,6 +154,7 @@ class Playground extends Drawn {
 
   present() {
     this.show();
+    this.figure.classList.add('done');
     if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
     this.draw();
   }

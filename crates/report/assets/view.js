@@ -193,7 +193,7 @@ class View extends Drawn {
   reset() {
     this.camera.reset();
     this.sum?.recall(this.homeSum);
-    this.live?.forget();
+    this.live?.reset();
     this.change(structuredClone(this.home));
   }
 

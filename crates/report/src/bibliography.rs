@@ -52,6 +52,20 @@ pub(crate) fn entry(key: &str) -> Option<Entry> {
     })
 }
 
+/// The sources of these keys, as far as the bibliography has them. Where two would be cited alike,
+/// the initial of the first author tells them apart.
+pub(crate) fn cited(keys: &[String]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = keys.iter().filter_map(|key| entry(key)).collect();
+    let shorts: Vec<String> = entries.iter().map(|entry| entry.short.clone()).collect();
+    for entry in &mut entries {
+        let alike = shorts.iter().filter(|short| **short == entry.short).count();
+        if let Some(initial) = entry.authors.chars().next().filter(|_| alike > 1) {
+            entry.short = format!("{initial}. {}", entry.short);
+        }
+    }
+    entries
+}
+
 /// The first and the last names in `Last, First` or `First Last`; particles, which begin with a
 /// small letter, belong to the last name.
 fn split_name(name: &str) -> [String; 2] {

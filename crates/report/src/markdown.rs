@@ -82,8 +82,8 @@ fn section(record: &Record, first: usize, form: Form) -> String {
     if let Some(reference) = notation::reference(record) {
         let _ = write!(text, "\n{reference}\n");
     }
-    let sources = record.section.sources.iter().filter_map(|key| bibliography::entry(key));
-    let sources: Vec<String> = sources.map(|entry| entry.short).collect();
+    let sources = bibliography::cited(&record.section.sources);
+    let sources: Vec<String> = sources.into_iter().map(|entry| entry.short).collect();
     if !sources.is_empty() {
         let _ = write!(text, "\nSources: {}.\n", sources.join("; "));
     }

@@ -174,7 +174,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             &format!("{}-signed", self.name),
-            &format!("{} The {} with signed curvature; the range is that of the inner vertices between the 2nd and the 98th percentile.", seen::signed(self.scaled, self.gaussian), self.name),
+            &format!("{} The {} with signed curvature; {}.", seen::signed(self.scaled, self.gaussian), self.name, seen::range(&[self.scaled, self.gaussian])),
             &format!("Six pictures of the {}: plain, coloured by signed mean and by Gaussian curvature, from two sides.", self.name),
         )
     }

@@ -329,7 +329,7 @@ fn pictures(
     ])
     .draw(
         &format!("{name}-signed"),
-        &format!("{} Signed mean curvature of the {name}; each range is that of the inner vertices between the 2nd and the 98th percentile.", seen::agreement(&uniform, &cotangent)),
+        &format!("{} Signed mean curvature of the {name}; {}.", seen::agreement(&uniform, &cotangent), seen::range(&[&uniform, &cotangent])),
         &format!("Six pictures of the {name}: plain, coloured by the uniform and by the cotangent mean curvature, from two sides."),
     )?;
     Ok([assignment, diverging])

@@ -144,7 +144,7 @@ impl Experiment for ExplicitFlow {
                 reason,
             )
             .finding(format!(
-                "{} On other meshes with other noise the best lies between {} and {}. λ = {STRONG} is stable; λ = {DIVERGENT} is unstable on {}.",
+                "{} On a generated machine part at two resolutions with three levels of noise the best λ lies between {} and {}. λ = {STRONG} is stable; λ = {DIVERGENT} is unstable on {}.",
                 no_best(is_best, &swept),
                 brief(lowest),
                 brief(highest),
@@ -166,7 +166,9 @@ impl Experiment for ExplicitFlow {
 /// The best λ of both meshes, in words.
 fn no_best(is_claimed: bool, swept: &Favourites) -> String {
     match is_claimed {
-        true => format!("Of the four steps λ = {CLAIMED} is the best on both meshes."),
+        true => format!(
+            "Of the four steps λ = {CLAIMED} comes closest to the true surface on both meshes."
+        ),
         false => format!(
             "No single λ is best: it is {} on the patch and {} on the machine part.",
             brief(swept.surface[0].lambda),

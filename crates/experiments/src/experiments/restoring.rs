@@ -167,7 +167,7 @@ impl Body {
             Method::ReportImplicit => implicit_steps(noisy, REPORT_IMPLICIT)?,
             Method::Taubin => taubin(noisy, &Taubin::default(), None)?.mesh,
             Method::Spectral => {
-                let modes = self.modes.as_ref().context("this body has no modes")?;
+                let modes = self.modes.as_ref().context("this model has no modes")?;
                 reconstruct(noisy, &modes.spectrum, modes.kept.modes)?.mesh
             }
             Method::Denoiser(denoiser) => denoiser.denoise(noisy)?,

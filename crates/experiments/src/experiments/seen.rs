@@ -6,8 +6,9 @@ use fairing_operators::curvature::ScalarCurvature;
 use super::gallery::FLAT;
 use crate::table::brief;
 
-/// Values below this part of the largest one are rounding: they have the colour of zero.
-const ZERO: f64 = 1e-6;
+/// Values below this part of the largest one are rounding, if only that of the coordinates in the
+/// file, which may have six digits.
+const ZERO: f64 = 1e-4;
 
 /// An error below this, over the diagonal, is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -42,6 +43,14 @@ fn zeros(values: &[f64]) -> usize {
 /// Returns true if a field has the colour of zero at all inner vertices.
 fn is_flat(field: &ScalarCurvature) -> bool {
     values(field, false).iter().all(|x| x.abs() <= FLAT)
+}
+
+/// The range of diverging colours, as the end of a sentence.
+pub(super) fn range(fields: &[&ScalarCurvature]) -> &'static str {
+    match fields.iter().all(|field| is_flat(field)) {
+        true => "inside there is only rounding, below the range of the colours",
+        false => "each range is that of the inner vertices between the 2nd and the 98th percentile",
+    }
 }
 
 /// Mean and Gaussian curvature in diverging colours about zero.
@@ -84,7 +93,10 @@ pub(super) fn equalised(fields: &[(&str, &ScalarCurvature)]) -> String {
         let shares: Vec<String> = shares
             .map(|((name, _), (zero, all))| format!("{name} at {} of them", percent(*zero, *all)))
             .collect();
-        return format!("Most vertices are blue because their value is zero: {}.", list(&shares));
+        return format!(
+            "Most vertices are blue because their value is zero, to rounding: {}.",
+            list(&shares)
+        );
     }
     let mut sentences = vec![];
     for (name, field) in fields {
@@ -207,6 +219,10 @@ mod tests {
         let text = signed(&mean, &field(&[0.0, 0.0, 700.0, 700.0], 2));
         assert!(text.starts_with("Everything is grey except 2 vertices of the border"), "{text}");
         assert!(signed(&mean, &field(&[0.0; 4], 2)).contains("zero everywhere"));
+        assert!(
+            range(&[&mean]).contains("rounding")
+                && !range(&[&field(&[1.0], 0)]).contains("rounding")
+        );
         let text = signed(&field(&[1.0, -1.0, 2.0, 0.5], 0), &field(&[1.0, -1.0, -2.0, 0.5], 0));
         assert!(text.contains("75 % of the inner vertices, K at 50 %"), "{text}");
     }
@@ -214,7 +230,10 @@ mod tests {
     #[test]
     fn equalised_colours_are_said_to_hide_what_they_hide() {
         let text = equalised(&[("K", &field(&[0.0, 0.0, 0.0, 9.0], 0))]);
-        assert!(text.ends_with("because their value is zero: K at 75 % of them."), "{text}");
+        assert!(
+            text.ends_with("because their value is zero, to rounding: K at 75 % of them."),
+            "{text}"
+        );
         let text = equalised(&[("K", &field(&[-8.0, 1.0, 2.0, 3.0, 90.0], 0))]);
         assert!(text.contains("between 1 and 3 (all of them between −8 and 90)"), "{text}");
     }

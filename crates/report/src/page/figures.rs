@@ -12,7 +12,7 @@ use super::html::escape;
 use super::tables::counted;
 use super::view;
 use crate::layout;
-use crate::numbers::{Item, is_paper, parts};
+use crate::numbers::{Item, is_paper, parts, place};
 use fairing_results::results::{FigureFile, Record};
 use fairing_results::section::Playground;
 
@@ -20,7 +20,7 @@ use fairing_results::section::Playground;
 pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<[String; 2]> {
     let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
-        item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder)
+        item.html(record, first, &format!("<b>Figure {}.</b> ", first + k), folder)
     };
     let drawn: Vec<String> = items.par_iter().enumerate().map(one).collect::<Result<_>>()?;
     let mut folded = String::new();
@@ -39,15 +39,8 @@ pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<[Str
 }
 
 impl Item<'_> {
-    /// `all` are the numbered parts of the section, the first of which is number `first`.
-    fn html(
-        &self,
-        record: &Record,
-        all: &[Item<'_>],
-        first: usize,
-        label: &str,
-        folder: &Path,
-    ) -> Result<String> {
+    /// `first` is the number of the first part of the section.
+    fn html(&self, record: &Record, first: usize, label: &str, folder: &Path) -> Result<String> {
         match self {
             Self::Play(play) => Ok(playground(play, label)),
             Self::Picture(figure) => picture(record, figure, label, folder),
@@ -64,7 +57,7 @@ impl Item<'_> {
                         escape(&fallback),
                         image(figure, folder)?
                     ),
-                    None => paper_note(all, first, &v.fallback),
+                    None => paper_note(record, first, &v.fallback),
                 };
                 view::figure(v, &id, &fallback, &paper, label, folder)
             }
@@ -74,13 +67,8 @@ impl Item<'_> {
 
 /// The note printed in place of a view without a picture of its own, which says where to find its
 /// numbers.
-fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
-    let is_it = |item: &Item<'_>| match item {
-        Item::Picture(figure) => figure.id == fallback,
-        Item::View(_, view) => view.fallback == fallback,
-        Item::Play(_) => false,
-    };
-    match all.iter().position(is_it) {
+fn paper_note(record: &Record, first: usize, fallback: &str) -> String {
+    match place(record, fallback) {
         Some(k) => format!(
             "<p class=\"paper-note\">This view is interactive and not printed; see Figure {}.</p>",
             first + k
@@ -93,7 +81,8 @@ fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
 pub(super) fn playground(play: &Playground, label: &str) -> String {
     format!(
         "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
-         It is computed in the page.</p></div><figcaption>{label}{}</figcaption></figure>",
+         It is computed in the page.</p></div><p class=\"paper-note\">This figure is interactive; it is \
+         printed once it has been on the screen.</p><figcaption>{label}{}</figcaption></figure>",
         play.id(),
         play.kind,
         escape(&play.alt),

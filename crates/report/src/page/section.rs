@@ -102,8 +102,9 @@ fn method(record: &Record) -> Result<String> {
 
 /// Links to the sources; `None` without any.
 fn sources(record: &Record) -> Option<String> {
-    let entries = record.section.sources.iter().filter_map(|key| bibliography::entry(key));
+    let entries = bibliography::cited(&record.section.sources);
     let links: Vec<String> = entries
+        .iter()
         .map(|e| format!("<a href=\"#source-{}\">{}</a>", escape(&e.key), escape(&e.short)))
         .collect();
     (!links.is_empty()).then(|| format!("Sources: {}.", links.join("; ")))

@@ -10,6 +10,10 @@ pub(super) fn reach(panels: &[Panel], center: [f64; 3]) -> f64 {
     if far > 0.0 { far } else { 1.0 }
 }
 
+/// A mesh that is less high than this part of its width and depth is seen from above: from the side
+/// it would leave its picture half empty.
+const LOW: f64 = 0.45;
+
 /// A box around positions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -73,7 +77,7 @@ impl Frame {
     }
 
     /// Azimuth and elevation at which the view begins, in degrees: almost face on for nearly flat
-    /// meshes, a little from the side and above for others.
+    /// meshes, from above for low ones, a little from the side and above for others.
     pub(super) fn angles(&self, z_up: bool) -> [f64; 2] {
         // Sideways, up, towards the camera.
         let axes = if z_up { [0, 2, 1] } else { [0, 1, 2] };
@@ -83,6 +87,7 @@ impl Frame {
             Some(0) => [70.0, 15.0],
             Some(1) => [20.0, 65.0],
             Some(_) => [20.0, 20.0],
+            None if size[1] < LOW * size[0].min(size[2]) => [30.0, 40.0],
             None => [30.0, 20.0],
         }
     }

@@ -19,6 +19,9 @@ pub(super) fn section() -> Section {
     .shows(&["modes-view", "decay", "rebuilt"], &[])
     .names(&[
         ("eigenvalues", "eigenvalues under refinement"),
+        ("armadillo-view", "the armadillo from k modes"),
+        ("large-armadillo-view", "the large armadillo from k modes"),
+        ("armadillo-modes", "modes of the armadillo"),
         ("small-creature-view", "the small creature from k modes"),
         ("large-creature-view", "the large creature from k modes"),
         ("bumpy-ball-view", "the bumpy ball from k modes"),

@@ -22,7 +22,7 @@ pub(super) const ERRORS: f64 = 2.0;
 pub(super) fn table(sweep: &Results) -> Result<Results> {
     let mut table = Results::new(
         "limits",
-        "The range of noise in which each method helps, from the first level at which its mean error is below that of the noisy input to the first one at which it no longer is (a dash means that it still helps at the last level), and the level up to which it keeps the shape, with the range that two standard errors of the normal error leave (∞ means to the end of the sweep). The last row of each mesh takes the best method at each level, the automatic denoiser among them, which was trained on meshes of these kinds: beyond its limit nothing recovers the shape.",
+        "The range of noise in which each method helps, from the first level at which its mean error is below that of the noisy input to the first one at which it no longer is (a dash means that it still helps at the last level), and the level up to which it keeps the shape, with the range that two standard errors of the normal error leave (∞ means to the end of the sweep). The last row of each mesh takes the best method at each level, the automatic denoiser among them, which was trained on meshes like some of these: beyond its limit nothing recovers the shape.",
         &[
             ("mesh", Unit::Label),
             ("method", Unit::Label),
@@ -204,7 +204,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
     }
     let reason = format!(
-        "Compared are, on each mesh, the best flow or filter without creases and the best published denoiser; in brackets is the range of two standard errors. The automatic denoiser was trained on meshes of these kinds and decides nothing here. {}",
+        "Compared are, on each mesh, the best flow or filter without creases and the best published denoiser; in brackets is the range of two standard errors. The automatic denoiser was trained on meshes like some of these and decides nothing here. {}",
         sentences.join(" "),
     );
     let claim = "Published denoisers keep the shape under more noise than flows do";

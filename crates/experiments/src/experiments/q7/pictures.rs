@@ -101,7 +101,7 @@ fn trained(bodies: &[&Body]) -> String {
         n if n == bodies.len() => "like these".into(),
         _ => format!("like {}", seen::list(&names)),
     };
-    format!(" The automatic denoiser was trained on bodies {like}.")
+    format!(" The automatic denoiser was trained on meshes {like}.")
 }
 
 /// A level of noise.
