@@ -93,6 +93,10 @@ fn mend(mesh: &TriMesh, choice: usize) {
     check(&first.mesh);
     assert_eq!(first.vertex_sources.len(), first.mesh.vertex_count());
     assert_eq!(first.face_sources.len(), first.mesh.face_count());
+    // Merging within the same distance again.
+    let mean = first.mesh.mean_edge_length();
+    let ratio = if mean > 0.0 { mesh.mean_edge_length() / mean } else { 1.0 };
+    let options = RepairOptions { tolerance: (options.tolerance * ratio).min(1.0), ..options };
     let again = repair(&first.mesh, &options).expect("options in their ranges");
     let changed: Vec<_> = (again.changes.iter()).filter(|c| c.0 != RepairStep::OpenHoles).collect();
     assert!(changed.is_empty(), "not idempotent: {changed:?}");

@@ -91,15 +91,17 @@ class Parts(Base):
 
         Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
         separates sheets that touch, and on request removes small components and thin faces and
-        fills holes. The order of what stays is kept. A second repair changes nothing.
+        fills holes. The order of what stays is kept. A second repair changes nothing, but for a
+        tolerance, which is then longer: the mean edge grows as short edges go.
 
         Parameters
         ----------
         merge : bool
             Merge vertices at one position, and drop faces that lose a corner by it.
         tolerance : float
-            The distance up to which vertices are merged, in mean edge lengths, from 0 (exactly
-            equal positions) to 1. A vertex moves to the first vertex within the distance.
+            The distance up to which vertices are merged, in mean edge lengths of this mesh, from 0
+            (exactly equal positions) to 1. A vertex moves to the first one within the distance that
+            stays.
         duplicates : bool
             Drop faces with the corners of an earlier face, in any order. Both go if they are a fin
             of a closed surface, which one of them would open; both stay if they are a wall between

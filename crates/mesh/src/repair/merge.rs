@@ -59,9 +59,9 @@ impl Work {
         if !options.merge {
             return (0..positions.len() as u32).collect();
         }
-        match options.tolerance * self.mesh.mean_edge_length() {
-            distance if distance > 0.0 => within(positions, distance),
-            _ => at_equal_positions(positions),
+        match self.distance > 0.0 {
+            true => within(positions, self.distance),
+            false => at_equal_positions(positions),
         }
     }
 
@@ -165,7 +165,10 @@ fn at_equal_positions(positions: &[[f64; 3]]) -> Vec<u32> {
 /// For each vertex the first one within a distance that is not itself merged, so that vertices
 /// are not merged in chains.
 pub(super) fn within(positions: &[[f64; 3]], distance: f64) -> Vec<u32> {
-    let cell = |p: DVec3| (p / distance).floor().to_array().map(|x| x as i64);
+    // Cells are no finer than coordinates are, and their numbers fit.
+    let largest = positions.as_flattened().iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+    let side = distance.max(1e-12 * largest);
+    let cell = |p: DVec3| (p / side).floor().to_array().map(|x| x as i64);
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let around = |p: DVec3| {
         let [low, high] = [cell(p - distance), cell(p + distance)];

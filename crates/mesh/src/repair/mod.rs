@@ -20,8 +20,7 @@ use crate::build::{BuildError, check_positions};
 #[cfg(feature = "io")]
 use crate::io::VertexFields;
 
-/// The most rounds; steps that still undo each other after that many end there. A tolerance in mean
-/// edges takes the most: the mean edge grows as vertices are merged.
+/// The most rounds; steps that still undo each other after that many end there.
 const MAX_ROUNDS: usize = 64;
 
 /// Steps of [`repair`] and their limits.
@@ -31,9 +30,9 @@ const MAX_ROUNDS: usize = 64;
 pub struct RepairOptions {
     /// Merges vertices at one position, and drops faces that lose a corner by it.
     pub merge: bool,
-    /// The distance up to which vertices are merged, in mean edge lengths; zero merges vertices at
-    /// exactly equal positions. A vertex moves to the first vertex of the file within the
-    /// distance.
+    /// The distance up to which vertices are merged, in mean edge lengths of the input; zero
+    /// merges vertices at exactly equal positions. A vertex moves to the first vertex of the file
+    /// within the distance that itself stays, so that none moves farther than the distance.
     pub tolerance: f64,
     /// Drops faces with the corners of an earlier face, in any order. Both go if they are a fin of
     /// a closed surface, which one of them would open; both stay if they are a wall between two
@@ -42,7 +41,8 @@ pub struct RepairOptions {
     /// Flips faces so that neighbours agree, as [`TriMesh::oriented`] does, and closed components
     /// so that their normals point outwards, or inwards where they are cavities of another one.
     pub orient: bool,
-    /// Gives a vertex of its own to each sheet of faces at a non-manifold edge or vertex.
+    /// Gives a vertex of its own to each sheet of faces at a non-manifold edge or vertex. Faces
+    /// that run the same way along such an edge are different sheets.
     pub split: bool,
     /// Drops components with fewer faces than this; zero keeps all.
     pub smallest_component: usize,
@@ -342,7 +342,7 @@ pub fn repair_with(
 ) -> Result<Repaired, RepairError> {
     options.check()?;
     watch::stage("repairing", 0);
-    let mut work = Work::new(mesh);
+    let mut work = Work::new(mesh, options.tolerance * mesh.mean_edge_length());
     work.settle(options);
     while options.holes > 0 && work.fill(options, &mut place) {}
     check_positions(work.mesh.positions()).map_err(RepairError::Positions)?;
@@ -353,6 +353,8 @@ pub fn repair_with(
 #[derive(Clone)]
 struct Work {
     mesh: TriMesh,
+    /// The distance up to which vertices are merged.
+    distance: f64,
     vertex_sources: Vec<Option<u32>>,
     face_sources: Vec<Option<u32>>,
     /// True for each face that was flipped an odd number of times.
@@ -363,9 +365,10 @@ struct Work {
 }
 
 impl Work {
-    fn new(mesh: &TriMesh) -> Self {
+    fn new(mesh: &TriMesh, distance: f64) -> Self {
         Self {
             mesh: mesh.clone(),
+            distance,
             vertex_sources: (0..mesh.vertex_count() as u32).map(Some).collect(),
             face_sources: (0..mesh.face_count() as u32).map(Some).collect(),
             turned: vec![false; mesh.face_count()],
@@ -495,7 +498,8 @@ impl Work {
     }
 
     fn finish(self, input: &TriMesh) -> Repaired {
-        let Self { mesh, vertex_sources, face_sources, turned, merged_into, mut changes } = self;
+        let Self { mesh, vertex_sources, face_sources, turned, merged_into, mut changes, .. } =
+            self;
         let of_turned = face_sources.iter().zip(&turned).filter(|(_, turned)| **turned);
         changes.push((RepairStep::TurnedFaces, of_turned.filter_map(|(&f, _)| f).collect()));
         let mut vertices = vec![None; input.vertex_count()];

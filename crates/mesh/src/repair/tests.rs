@@ -1,4 +1,5 @@
 use fairing_shapes as shapes;
+use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
@@ -50,6 +51,17 @@ fn cube() -> TriMesh {
     TriMesh::new((0..8).map(corner).collect(), faces.collect()).unwrap()
 }
 
+/// Options for a second repair: merging within the distance of the first one.
+fn at_the_same_distance(
+    options: &RepairOptions,
+    input: &TriMesh,
+    result: &Repaired,
+) -> RepairOptions {
+    let mean = result.mesh.mean_edge_length();
+    let ratio = if mean > 0.0 { input.mean_edge_length() / mean } else { 1.0 };
+    RepairOptions { tolerance: (options.tolerance * ratio).min(1.0), ..options.clone() }
+}
+
 fn repaired(mesh: &TriMesh) -> Repaired {
     checked(mesh, &RepairOptions::default())
 }
@@ -57,7 +69,7 @@ fn repaired(mesh: &TriMesh) -> Repaired {
 /// Repairs a mesh, and checks all that holds for every repair.
 fn checked(input: &TriMesh, options: &RepairOptions) -> Repaired {
     let result = repair(input, options).unwrap();
-    let again = repair(&result.mesh, options).unwrap();
+    let again = repair(&result.mesh, &at_the_same_distance(options, input, &result)).unwrap();
     assert!(again.is_unchanged(), "{:?}", again.changes);
     assert_eq!(again.mesh, result.mesh);
     assert_eq!(result.vertex_sources.len(), result.mesh.vertex_count());
@@ -232,6 +244,40 @@ fn vertices_are_merged_within_a_tolerance() {
     assert!((result.mesh.signed_volume() - 1.0).abs() < 0.02);
     let line: Vec<_> = (0..30).map(|i| [0.1 * f64::from(i), 0.0, 0.0]).collect();
     assert_eq!(merge_within(&line, 0.25), 10);
+}
+
+/// The distance is a part of the mean edge of the input, which is a sixth of the longest here.
+/// In mean edges of what is left, each merge would allow a longer one, until nothing is left.
+#[test]
+fn a_tolerance_is_a_part_of_the_mean_edge_of_the_input() {
+    let column = |i: i32| 1.3f64.powi(i);
+    let positions: Vec<_> =
+        (0..30).map(|v| [column(v / 2), f64::from(v % 2) * column(v / 2), 0.0]).collect();
+    let square = |i: u32| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]];
+    let faces: Vec<_> = (0..14).flat_map(square).collect();
+    let strip = mesh(&positions, &faces);
+    let result = checked(&strip, &RepairOptions { tolerance: 0.3, ..Default::default() });
+    let distance = 0.3 * strip.mean_edge_length();
+    for (v, w) in result.vertices.iter().enumerate() {
+        let Some(w) = w else { continue };
+        let [p, q] = [strip.positions()[v], result.mesh.positions()[*w as usize]];
+        assert!(DVec3::from(p).distance(q.into()) <= distance);
+    }
+    let shorter = strip.edge_lengths().iter().filter(|l| **l <= distance).count();
+    let lost = strip.vertex_count() - result.mesh.vertex_count();
+    assert!(lost > 0 && lost <= shorter, "{lost} of {shorter}");
+}
+
+/// Faces that all run the same way along an edge bound no inside between them, so that no two
+/// belong together; one that runs against them finds its partner.
+#[test]
+fn faces_along_an_edge_belong_together_if_they_run_against_each_other() {
+    let corners =
+        [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [-0.5, 0.9, 0.0], [-0.5, -0.9, 0.0]];
+    let same_way = mesh(&corners, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
+    assert_eq!(repaired(&same_way).mesh.topology().components().count(), 3);
+    let against = mesh(&corners, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+    assert_eq!(repaired(&against).mesh.topology().components().count(), 2);
 }
 
 fn merge_within(positions: &[[f64; 3]], distance: f64) -> usize {

@@ -273,7 +273,12 @@ pub(super) fn read_strips(
         }
         source.end_row();
     }
-    parsed.notes.push(format!("{strips} triangle strips, with {joints} joints without area"));
+    let joined = if joints > 0 {
+        format!(", {joints} of their triangles without area")
+    } else {
+        String::new()
+    };
+    parsed.notes.push(format!("the faces are {strips} triangle strips{joined}"));
     keep(parsed, Polygons::Triangles(faces), FaceFields::default());
     Ok(())
 }

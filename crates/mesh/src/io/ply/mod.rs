@@ -99,7 +99,7 @@ fn read_body(mut source: impl Source, header: &Header, broken: Broken) -> Result
 /// Skips an element that a mesh cannot hold.
 fn skip(source: &mut impl Source, element: &Element, parsed: &mut Parsed) -> Result<(), Fault> {
     if element.count > 0 {
-        parsed.notes.push(format!("{} elements {} are ignored", element.count, element.name));
+        parsed.notes.push(format!("element {} is ignored", element.name));
     }
     if element.properties.is_empty() || source.take_rows(element)?.is_some() {
         return Ok(());

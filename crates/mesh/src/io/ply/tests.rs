@@ -67,7 +67,7 @@ fn any_order_any_type_and_either_byte_order() {
         assert_eq!(parsed.polygons.face(1), [0, 1, 2, 3]);
         assert_eq!(
             parsed.notes,
-            ["2 elements camera are ignored", "face properties are ignored: texcoord"]
+            ["element camera is ignored", "face properties are ignored: texcoord"]
         );
         // Texture coordinates are two for each corner.
         assert_eq!(parsed.fields.faces.scalars, [("flag".to_owned(), vec![9.0, 9.0])]);
@@ -145,7 +145,10 @@ fn strips_restart_and_turn_one_way() {
     let parsed = outcome(&ascii(&header, &body)).unwrap();
     let expected = vec![[0, 1, 2], [2, 1, 3], [4, 3, 2], [0, 1, 2]];
     assert_eq!(parsed.polygons, Polygons::Triangles(expected));
-    assert_eq!(parsed.notes, ["4 triangle strips, with 2 joints without area"]);
+    assert_eq!(
+        parsed.notes,
+        ["the faces are 4 triangle strips, 2 of their triangles without area"]
+    );
     assert!(outcome(&ascii(&header, &format!("{vertices}3 0 1 -2\n0\n"))).is_err());
 }
 

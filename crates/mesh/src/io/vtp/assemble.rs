@@ -117,6 +117,8 @@ impl Joined {
 
     fn finish(self, document: &Document, parsed: &mut Parsed) {
         let [verts, lines, strips] = self.others;
+        // Without faces, cells of vertices show the points.
+        let verts = if parsed.polygons.len() > 0 { verts } else { 0 };
         for (count, what) in [(verts, "vertices"), (lines, "lines")] {
             if count > 0 {
                 parsed.notes.push(format!("{count} cells that are {what} are ignored"));

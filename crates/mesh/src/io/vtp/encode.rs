@@ -19,8 +19,8 @@ enum Values<'a> {
     Bytes(&'a [u8]),
     /// The corners of all faces.
     Corners(Faces<'a>),
-    /// The ends of the faces among the corners.
-    Ends(&'a [i64]),
+    /// Corners of vertices, or ends of cells among the corners.
+    Numbers(&'a [i64]),
 }
 
 /// An array of numbers under a name.
@@ -34,7 +34,7 @@ impl DataArray<'_> {
     fn type_name(&self) -> &'static str {
         match self.values {
             Values::Bytes(_) | Values::Floats(_, NumberType::U8) => "UInt8",
-            Values::Corners(_) | Values::Ends(_) => "Int64",
+            Values::Corners(_) | Values::Numbers(_) => "Int64",
             Values::Floats(_, NumberType::I8) => "Int8",
             Values::Floats(_, NumberType::I16) => "Int16",
             Values::Floats(_, NumberType::U16) => "UInt16",
@@ -57,7 +57,7 @@ impl DataArray<'_> {
             Values::Corners(faces) => lines(faces.len(), 24, |f, bytes| {
                 faces.face(f).iter().for_each(|&v| bytes.extend(u64::from(v).to_le_bytes()));
             }),
-            Values::Ends(ends) => vec![ends.iter().flat_map(|end| end.to_le_bytes()).collect()],
+            Values::Numbers(ends) => vec![ends.iter().flat_map(|end| end.to_le_bytes()).collect()],
         }
     }
 
@@ -88,7 +88,7 @@ impl DataArray<'_> {
                 }
                 text.push(b'\n');
             }),
-            Values::Ends(ends) => lines(ends.len(), 8, |f, text| {
+            Values::Numbers(ends) => lines(ends.len(), 8, |f, text| {
                 put_integer(text, ends[f].unsigned_abs());
                 text.push(b'\n');
             }),
@@ -123,8 +123,11 @@ pub(super) fn encode(
             end
         })
         .collect();
-    let polys = [("connectivity", Values::Corners(faces)), ("offsets", Values::Ends(&ends))];
-    let polys = polys.map(|(name, values)| DataArray { name, components: 1, values });
+    let polys = cells(Values::Corners(faces), &ends);
+    // Programs show no points without cells.
+    let lone = if faces.len() == 0 { positions.len() as i64 } else { 0 };
+    let (numbers, lone_ends): (Vec<i64>, Vec<i64>) = (0..lone).map(|v| (v, v + 1)).unzip();
+    let verts = cells(Values::Numbers(&numbers), &lone_ends);
     let of_points = arrays(fields.into(), width)?;
     let of_cells = arrays((&fields.faces).into(), width)?;
 
@@ -140,7 +143,7 @@ pub(super) fn encode(
          byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n",
     );
     writer.xml.push_str(&format!(
-        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
+        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{lone}\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
         positions.len(),
         faces.len()
@@ -148,8 +151,17 @@ pub(super) fn encode(
     writer.section("PointData", &of_points);
     writer.section("CellData", &of_cells);
     writer.section("Points", &[points]);
+    if lone > 0 {
+        writer.section("Verts", &verts);
+    }
     writer.section("Polys", &polys);
     Ok(writer.finish())
+}
+
+/// The arrays of cells: their corners one after the other, and where each cell ends.
+fn cells<'a>(corners: Values<'a>, ends: &'a [i64]) -> [DataArray<'a>; 2] {
+    [("connectivity", corners), ("offsets", Values::Numbers(ends))]
+        .map(|(name, values)| DataArray { name, components: 1, values })
 }
 
 /// The arrays of fields.

@@ -224,3 +224,16 @@ fn names_that_would_clash_are_changed() {
     let again = read(&ply);
     assert_eq!((&again.fields, &again.fields.types), (&file.fields, &file.fields.types));
 }
+
+/// Programs show no points without cells.
+#[test]
+fn points_are_cells() {
+    let points = crate::TriMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.5]], vec![]).unwrap();
+    for options in [WriteOptions::default(), WriteOptions::ascii()] {
+        let bytes = to_bytes(Format::Vtp, &points, &Default::default(), &options).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.contains("NumberOfVerts=\"2\"") && text.contains("<Verts>"), "{text}");
+        let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+        assert_eq!((file.mesh, file.report.notes.len()), (points.clone(), 0));
+    }
+}
