@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use ndarray::{ArrayView2, ArrayViewMut2};
+use ndarray::ArrayView2;
 
 use crate::direct::analysis::Analysis;
 use crate::direct::backend::{Failure, Order, Symbolic};
@@ -280,16 +280,6 @@ impl Cholesky {
         SymbolicCholesky::new(matrix, Ordering::default())?.factorize(matrix)
     }
 
-    /// The factor of a matrix with the same pattern, in the memory of this one.
-    ///
-    /// # Errors
-    ///
-    /// As [`SymbolicCholesky::factorize`].
-    pub fn refactorize(mut self, matrix: &SparseMatrix) -> Result<Self, SparseError> {
-        self.symbolic().llt(matrix, &mut self.factor.values)?;
-        Ok(self)
-    }
-
     /// The analysis that this factor was computed with.
     pub fn symbolic(&self) -> SymbolicCholesky {
         SymbolicCholesky { analysis: Arc::clone(&self.factor.analysis) }
@@ -302,11 +292,6 @@ impl Cholesky {
     /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.factor.rows()
-    }
-
-    /// log det A = 2 Σ log Lᵢᵢ.
-    pub fn log_determinant(&self) -> f64 {
-        self.factor.analysis.nodes.diagonal(&self.factor.values).map(|l| 2.0 * libm::log(l)).sum()
     }
 
     /// x with A x = b.
@@ -356,16 +341,7 @@ impl Cholesky {
     /// Panics if `b` has another number of rows than A.
     pub fn solve_block(&self, b: ArrayView2<'_, f64>) -> ndarray::Array2<f64> {
         let mut x = b.to_owned();
-        self.solve_block_in_place(x.view_mut());
+        self.factor.solve_block(x.view_mut());
         x
-    }
-
-    /// `b` ← A⁻¹ b for an `n × k` block.
-    ///
-    /// # Panics
-    ///
-    /// Panics if `b` has another number of rows than A.
-    pub fn solve_block_in_place(&self, b: ArrayViewMut2<'_, f64>) {
-        self.factor.solve_block(b);
     }
 }
