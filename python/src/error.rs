@@ -1,12 +1,7 @@
 //! One error for all crates, and the exceptions of Python.
 
-use fairing_denoising::DenoiseError;
-use fairing_evaluation::EvaluationError;
-use fairing_figure::FigureError;
+use fairing::ErrorKind;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
-use fairing_mesh::{BuildError, RepairError};
-use fairing_operators::OperatorError;
-use fairing_spectral::SpectralError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -117,97 +112,21 @@ pub(crate) fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-impl From<BuildError> for Error {
-    fn from(error: BuildError) -> Self {
-        Self::Mesh(chain(&error))
-    }
-}
-
-impl From<RepairError> for Error {
-    fn from(error: RepairError) -> Self {
-        match error {
-            RepairError::Option(error) => Self::option(error),
-            error => Self::Computation(chain(&error)),
-        }
-    }
-}
-
-impl From<ReadError> for Error {
-    fn from(error: ReadError) -> Self {
-        let path = error.file.display().to_string();
-        match error.problem {
-            ReadProblem::Io(error) => Self::Os { path, error },
-            _ => Self::Mesh(error.to_string()),
-        }
-    }
-}
-
-impl From<WriteError> for Error {
-    fn from(error: WriteError) -> Self {
-        let path = error.file.display().to_string();
-        match error.problem {
-            WriteProblem::Io(error) => Self::Os { path, error },
-            _ => Self::Option(error.to_string()),
-        }
-    }
-}
-
-impl From<OperatorError> for Error {
-    fn from(error: OperatorError) -> Self {
+impl<E: Into<fairing::Error>> From<E> for Error {
+    fn from(error: E) -> Self {
+        let error = error.into();
         let text = chain(&error);
-        match error {
-            OperatorError::Option(_)
-            | OperatorError::Length { .. }
-            | OperatorError::NoSuchVertex { .. }
-            | OperatorError::NoSuchMass { .. } => Self::Option(text),
+        match (error.kind(), error) {
+            (_, fairing::Error::Read(ReadError { file, problem: ReadProblem::Io(error), .. }))
+            | (
+                _,
+                fairing::Error::Write(WriteError {
+                    file, problem: WriteProblem::Io(error), ..
+                }),
+            ) => Self::Os { path: file.display().to_string(), error },
+            (ErrorKind::Input, _) => Self::Mesh(text),
+            (ErrorKind::Option, _) => Self::Option(text),
             _ => Self::Computation(text),
-        }
-    }
-}
-
-impl From<SpectralError> for Error {
-    fn from(error: SpectralError) -> Self {
-        let text = chain(&error);
-        match error {
-            SpectralError::Operator(error) => error.into(),
-            SpectralError::Kind { .. }
-            | SpectralError::Repeated { .. }
-            | SpectralError::TooManyModes { .. }
-            | SpectralError::Rows { .. }
-            | SpectralError::Option(_)
-            | SpectralError::NoSuchFace { .. }
-            | SpectralError::NoSuchVertex { .. } => Self::Option(text),
-            _ => Self::Computation(text),
-        }
-    }
-}
-
-impl From<DenoiseError> for Error {
-    fn from(error: DenoiseError) -> Self {
-        match error {
-            DenoiseError::Option(_) => Self::Option(chain(&error)),
-            _ => Self::Computation(chain(&error)),
-        }
-    }
-}
-
-impl From<EvaluationError> for Error {
-    fn from(error: EvaluationError) -> Self {
-        match error {
-            EvaluationError::Option(_) => Self::Option(chain(&error)),
-            _ => Self::Computation(chain(&error)),
-        }
-    }
-}
-
-impl From<FigureError> for Error {
-    fn from(error: FigureError) -> Self {
-        match error {
-            FigureError::NoFaces { .. }
-            | FigureError::NoExtent { .. }
-            | FigureError::TooFar { .. }
-            | FigureError::Png(_) => Self::Computation(chain(&error)),
-            _ => Self::Option(chain(&error)),
         }
     }
 }

@@ -151,7 +151,7 @@ impl Mesh {
         weight: &str,
         call: Call,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let weight = choose("weight", weight, &NORMAL_WEIGHTS)?;
+        let weight = named::<NormalWeight>(weight)?;
         let mesh = self.share();
         rows(py, call.run(py, move || Ok(weighted_vertex_normals(&mesh, weight)))?)
     }
@@ -228,13 +228,6 @@ impl Mesh {
         Ok(PyBytes::new(py, &bytes))
     }
 }
-
-const NORMAL_WEIGHTS: [(&str, NormalWeight); 4] = [
-    ("area", NormalWeight::Area),
-    ("angle", NormalWeight::Angle),
-    ("sphere", NormalWeight::Sphere),
-    ("uniform", NormalWeight::Uniform),
-];
 
 fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
     let widths = [

@@ -1,6 +1,7 @@
 //! Smoothing.
 
-use fairing_smoothing::{Approach, FlowError, FlowFailure, Method, Report, Smoothed};
+use fairing::ErrorKind;
+use fairing_smoothing::{Approach, FlowError, Method, Report, Smoothed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -39,14 +40,12 @@ fn approach(approach: Approach) -> String {
 /// The exception of a flow: an option error, or a flow error with the step and the last good mesh.
 fn exception(py: Python<'_>, error: FlowError) -> PyErr {
     let text = chain(&error);
-    if let FlowFailure::Option(_)
-    | FlowFailure::Unsupported { .. }
-    | FlowFailure::Unstable { .. }
-    | FlowFailure::Amplified { .. }
-    | FlowFailure::NoSuchVertex { .. } = error.failure
-    {
-        return Error::Option(text).into();
-    }
+    let error = fairing::Error::from(error);
+    let is_option = error.kind() == ErrorKind::Option;
+    let error = match error {
+        fairing::Error::Flow(error) if !is_option => error,
+        other => return Error::from(other).into(),
+    };
     let exception = FlowError_::new_err(text);
     let value = exception.value(py);
     let set = || -> PyResult<()> {

@@ -10,55 +10,21 @@ use pyo3::prelude::*;
 use crate::arrays::{Rows, column, rows, triples, values};
 use crate::error::{Error, Result};
 
-#[derive(Clone, Copy)]
-enum Kind {
-    Ellipsoid(Ellipsoid),
-    Sphere(Sphere),
-    Torus(Torus),
-    Cylinder(Cylinder),
-    Helicoid(Helicoid),
-    WavyGraph(WavyGraph),
-}
-
-impl Kind {
-    fn parametric(&self) -> &dyn ParametricSurface {
-        match self {
-            Self::Ellipsoid(s) => s,
-            Self::Sphere(s) => s,
-            Self::Torus(s) => s,
-            Self::Cylinder(s) => s,
-            Self::Helicoid(s) => s,
-            Self::WavyGraph(s) => s,
-        }
-    }
-
-    fn closed(&self) -> Option<&dyn ClosedForms> {
-        Some(match self {
-            Self::Ellipsoid(s) => s,
-            Self::Sphere(s) => s,
-            Self::Torus(s) => s,
-            Self::Cylinder(s) => s,
-            Self::Helicoid(s) => s,
-            Self::WavyGraph(_) => return None,
-        })
-    }
-
-    fn implicit(&self) -> Option<&dyn ImplicitSurface> {
-        Some(match self {
-            Self::Ellipsoid(s) => s,
-            Self::Sphere(s) => s,
-            Self::Torus(s) => s,
-            Self::Cylinder(s) => s,
-            Self::WavyGraph(s) => s,
-            Self::Helicoid(_) => return None,
-        })
-    }
-}
-
 /// A surface `p(u, v)` from its name and parameters.
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Surface {
-    kind: Kind,
+    parametric: Box<dyn ParametricSurface + Send + Sync>,
+    closed: Option<Box<dyn ClosedForms + Send + Sync>>,
+    implicit: Option<Box<dyn ImplicitSurface + Send + Sync>>,
+}
+
+/// A surface of which all forms are known.
+fn known<S>(surface: S) -> Surface
+where
+    S: ClosedForms + ImplicitSurface + Copy + Send + Sync + 'static,
+{
+    let (closed, implicit) = (Box::new(surface), Box::new(surface));
+    Surface { parametric: Box::new(surface), closed: Some(closed), implicit: Some(implicit) }
 }
 
 fn positive(name: &str, value: f64) -> Result<f64> {
@@ -75,27 +41,31 @@ fn finite(name: &str, value: f64) -> Result<f64> {
     Err(Error::option(format!("{name} is {value}, but must be finite and not zero")))
 }
 
-fn kind(name: &str, numbers: &[f64]) -> Result<Kind> {
+fn surface(name: &str, numbers: &[f64]) -> Result<Surface> {
     Ok(match (name, numbers) {
-        ("ellipsoid", &[a, b, c]) => Kind::Ellipsoid(Ellipsoid {
-            a: positive("a", a)?,
-            b: positive("b", b)?,
-            c: positive("c", c)?,
-        }),
-        ("sphere", &[radius]) => Kind::Sphere(Sphere { radius: positive("radius", radius)? }),
+        ("ellipsoid", &[a, b, c]) => {
+            known(Ellipsoid { a: positive("a", a)?, b: positive("b", b)?, c: positive("c", c)? })
+        }
+        ("sphere", &[radius]) => known(Sphere { radius: positive("radius", radius)? }),
         ("torus", &[major, minor]) => {
             let (major, minor) = (positive("major", major)?, positive("minor", minor)?);
             if minor >= major {
                 return Err(Error::option(format!("minor is {minor}, but must be below {major}")));
             }
-            Kind::Torus(Torus { major, minor })
+            known(Torus { major, minor })
         }
-        ("cylinder", &[radius]) => Kind::Cylinder(Cylinder { radius: positive("radius", radius)? }),
-        ("helicoid", &[rise]) => Kind::Helicoid(Helicoid { rise: finite("rise", rise)? }),
-        ("wavy_graph", &[amplitude, wave_number]) => Kind::WavyGraph(WavyGraph {
-            amplitude: finite("amplitude", amplitude)?,
-            wave_number: finite("wave_number", wave_number)?,
-        }),
+        ("cylinder", &[radius]) => known(Cylinder { radius: positive("radius", radius)? }),
+        ("helicoid", &[rise]) => {
+            let surface = Helicoid { rise: finite("rise", rise)? };
+            let (parametric, closed) = (Box::new(surface), Some(Box::new(surface) as _));
+            Surface { parametric, closed, implicit: None }
+        }
+        ("wavy_graph", &[amplitude, wave_number]) => {
+            let amplitude = finite("amplitude", amplitude)?;
+            let surface = WavyGraph { amplitude, wave_number: finite("wave_number", wave_number)? };
+            let (parametric, implicit) = (Box::new(surface), Some(Box::new(surface) as _));
+            Surface { parametric, closed: None, implicit }
+        }
         _ => return Err(Error::option(format!("there is no surface {name:?} of such numbers"))),
     })
 }
@@ -119,11 +89,11 @@ type Principal<'py> = (Rows<'py>, Rows<'py>, Rows<'py>);
 impl Surface {
     #[new]
     fn new(name: &str, numbers: Vec<f64>) -> PyResult<Self> {
-        Ok(Self { kind: kind(name, &numbers)? })
+        Ok(surface(name, &numbers)?)
     }
 
     fn point<'py>(&self, py: Python<'py>, u: Numbers<'_>, v: Numbers<'_>) -> PyResult<Rows<'py>> {
-        let surface = self.kind.parametric();
+        let surface = &self.parametric;
         rows(py, pairs(&u, &v)?.into_iter().map(|(u, v)| surface.jet(u, v).point).collect())
     }
 
@@ -190,7 +160,7 @@ impl Surface {
         py: Python<'py>,
         points: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<(Rows<'py>, Rows<'py>)> {
-        let surface = self.kind.implicit();
+        let surface = self.implicit.as_ref();
         let surface = surface.ok_or_else(|| Error::option("a helicoid has no level sets here"))?;
         let points = triples(&points)?;
         let found = points.into_iter().enumerate().map(|(i, p)| {
@@ -208,7 +178,7 @@ impl Surface {
 
 impl Surface {
     fn forms(&self, u: &Numbers<'_>, v: &Numbers<'_>) -> Result<Vec<FundamentalForms>> {
-        let surface = self.kind.parametric();
+        let surface = &self.parametric;
         let forms = pairs(u, v)?.into_iter().map(|(u, v)| {
             surface.forms(u, v).map_err(|error| Error::Computation(error.to_string()))
         });
@@ -223,8 +193,8 @@ impl Surface {
         closed: impl Fn(&dyn ClosedForms, f64, f64) -> T,
         from_forms: impl Fn(&FundamentalForms) -> T,
     ) -> Result<Vec<T>> {
-        Ok(match self.kind.closed() {
-            Some(s) => pairs(u, v)?.into_iter().map(|(u, v)| closed(s, u, v)).collect(),
+        Ok(match &self.closed {
+            Some(s) => pairs(u, v)?.into_iter().map(|(u, v)| closed(&**s, u, v)).collect(),
             None => self.forms(u, v)?.iter().map(from_forms).collect(),
         })
     }

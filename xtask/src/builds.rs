@@ -51,10 +51,6 @@ const BUILDS: [Build; 5] = [
 
 /// Builds each in an empty target folder and prints how long it took, how many
 /// units were compiled and which of them took longest.
-///
-/// # Errors
-///
-/// Cargo that fails, or a project that cannot be written.
 pub(crate) fn run(root: &Path) -> Result<()> {
     println!("| Build | seconds | units | MB on disk |\n|---|--:|--:|--:|");
     let mut slowest = vec![];

@@ -180,10 +180,6 @@ fn audit(environment: &Environment, wheel: &Path) -> Result<()> {
 
 /// Builds the wheel into `target/wheels` and audits it; returns its path, or the reason for which
 /// there is no maturin.
-///
-/// # Errors
-///
-/// A build that fails.
 pub(crate) fn wheel(root: &Path) -> Result<std::result::Result<PathBuf, String>> {
     let environment = match builder(root)? {
         Ok(environment) => environment,
@@ -197,10 +193,6 @@ pub(crate) fn wheel(root: &Path) -> Result<std::result::Result<PathBuf, String>>
 }
 
 /// Writes the source distribution into `target/sdist`; returns as [`wheel`] does.
-///
-/// # Errors
-///
-/// Sources that maturin cannot pack.
 pub(crate) fn sdist(root: &Path) -> Result<std::result::Result<PathBuf, String>> {
     let environment = match builder(root)? {
         Ok(environment) => environment,
@@ -249,10 +241,6 @@ fn install_wheel(root: &Path, maker: &Environment, environment: &Environment) ->
 }
 
 /// Runs the tests of the package in a virtual environment, which is made where there is none.
-///
-/// # Errors
-///
-/// A program that cannot be run, or a library that is not built.
 pub(crate) fn test(root: &Path, extent: Extent) -> Result<Tested> {
     let nothing = |reason: String| Tested {
         passed: true,

@@ -1,77 +1,9 @@
-//! The cases, and their division into three sets.
+//! The cases.
 
-use crate::families::{Family, Triangulation};
+use crate::families::{Family, Set, Triangulation};
 use anyhow::Result;
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_mesh::TriMesh;
-
-/// A set of families.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Set {
-    /// Families on which weights and constants are chosen.
-    Development,
-    /// Families that are only reported.
-    Unseen,
-    /// Families on which no result was known when the weights of the networks were trained and the
-    /// constants chosen.
-    Fresh,
-}
-
-impl Set {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Development, Self::Unseen, Self::Fresh];
-
-    /// The name on the command line and in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Development => "development",
-            Self::Unseen => "unseen",
-            Self::Fresh => "fresh",
-        }
-    }
-}
-
-fairing_parameters::named!(Set, "set of families");
-
-/// The set that a family is in; each has families of every kind.
-pub fn set_of(family: Family) -> Set {
-    match family {
-        Family::Stairs
-        | Family::Frame
-        | Family::Prism
-        | Family::Gear
-        | Family::Turned
-        | Family::Bosses
-        | Family::Blob
-        | Family::Periodic
-        | Family::Relief
-        | Family::Weave
-        | Family::Sheet
-        | Family::Cloth => Set::Development,
-        Family::Crystal
-        | Family::Star
-        | Family::Bracket
-        | Family::Grooves
-        | Family::Joint
-        | Family::Lobes
-        | Family::Knot
-        | Family::Minimal
-        | Family::Strokes
-        | Family::Pores
-        | Family::Channel
-        | Family::Shell => Set::Unseen,
-        Family::House
-        | Family::Tower
-        | Family::Bolt
-        | Family::Cushion
-        | Family::Vase
-        | Family::Pretzel
-        | Family::Fluted
-        | Family::Tyre
-        | Family::Ruffle
-        | Family::Bowl => Set::Fresh,
-    }
-}
 
 /// A model with noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,14 +37,10 @@ impl Case {
 
     /// The set that its family is in.
     pub fn set(&self) -> Set {
-        set_of(self.family)
+        self.family.set()
     }
 
     /// The truth, and the noisy mesh with the same faces.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`add_noise`], none of which a case can cause.
     pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
         let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
         let level = NoiseLevel::EdgeLengths(self.level);
@@ -146,7 +74,7 @@ const LARGE: [(Family, Triangulation, NoiseKind, f64); 3] = [
 pub fn cases() -> Vec<Case> {
     let mut cases = vec![];
     for set in Set::ALL {
-        let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == set);
+        let families = Family::ALL.iter().copied().filter(|f| f.set() == set);
         for (i, family) in families.enumerate() {
             for (k, (triangulation, noise, levels)) in PLAN.into_iter().enumerate() {
                 let seed = 100 * (family as u64 + 1) + k as u64;

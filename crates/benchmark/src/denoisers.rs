@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use fairing_benchmark::{
-    Case, Found, Method, PAIR_NAMES, Pair, Published, Set, Summary, TrainingOptions, cases,
-    denoiser, found, pairs, summary, train_normals, training_pairs, tuned, written,
+    Case, Found, Method, Pair, Published, Set, Summary, TrainingOptions, cases, denoiser, found,
+    is_pair, pairs, summary, train_normals, training_pairs, tuned, written,
 };
 use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
@@ -128,7 +128,7 @@ pub(crate) fn tune(options: Tune) -> Result<()> {
     let mut table = Published::read(&text)?;
     // Cases that are no longer there.
     let known: Vec<String> = cases().iter().map(Case::name).collect();
-    table.retain_cases(|c| known.iter().any(|k| k == c) || PAIR_NAMES.contains(&c));
+    table.retain_cases(|c| known.iter().any(|k| k == c) || is_pair(c));
     let mut sources: Vec<(String, Source)> = choice
         .cases()
         .into_iter()

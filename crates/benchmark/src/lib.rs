@@ -22,10 +22,10 @@ mod table;
 mod training;
 mod tune;
 
-pub use cases::{Case, Set, cases, set_of};
-pub use families::{Family, Triangulation};
+pub use cases::{Case, cases};
+pub use families::{Family, Set, Triangulation};
 pub use measure::{Found, Summary, committed, found, summary, written};
-pub use pairs::{PAIR_NAMES, Pair, pairs};
+pub use pairs::{Pair, is_pair, pairs};
 pub use published::{Method, Setting, denoiser};
 pub use table::{Entry, Published};
 pub use training::{TrainingOptions, TrainingPair, train_normals, training_pairs};

@@ -38,10 +38,6 @@ pub struct Found {
 }
 
 /// Runs the denoiser on a case.
-///
-/// # Errors
-///
-/// The errors of the denoiser and of the scores.
 pub fn found(
     case: &str,
     truth: &TriMesh,
@@ -113,10 +109,6 @@ pub fn written(found: &[Found]) -> String {
 
 /// The results of the automatic denoiser on all cases, as this repository keeps
 /// them, beside those of the published methods.
-///
-/// # Errors
-///
-/// A table that is not in the written form.
 pub fn committed(published: &Published) -> Result<Vec<Found>> {
     read(include_str!("../../../docs/reference/automatic.csv"), published)
 }

@@ -16,49 +16,37 @@ pub struct Pair {
     pub noisy: TriMesh,
 }
 
-/// Noisy file and true file of each, below the folder of the meshes.
-const FILES: [[&str; 2]; 13] = [
-    ["denoising/Fandisk0.3_noisy.obj", "denoising/Fandisk0.3_original.obj"],
-    ["denoising/Fandisk0.7_noisy.obj", "denoising/Fandisk0.3_original.obj"],
-    ["denoising/Block0.4_noisy.obj", "denoising/Block0.4_original.obj"],
-    ["denoising/Twelve0.5Impulsive_noisy.obj", "denoising/Twelve0.5Impulsive_original.obj"],
-    ["assignment/fandisk_ns.obj", "assignment/fandisk.obj"],
-    ["denoising/Julius0.2_noisy.obj", "denoising/Julius0.2_original.obj"],
-    ["denoising/KinectPyramid_noisy.obj", "denoising/KinectPyramid_original.obj"],
-    ["denoising/ScanBunny090_noisy.obj", "denoising/ScanBunny090_original.obj"],
-    ["denoising/ScanDragon0_noisy.obj", "denoising/ScanDragon0_original.obj"],
-    ["denoising/igea_n3_noisy.obj", "denoising/igea_n3_original.obj"],
-    ["denoising/child_n3_noisy.obj", "denoising/child_n3_original.obj"],
-    ["denoising/trim-star_n3_noisy.obj", "denoising/trim-star_n3_original.obj"],
-    ["denoising/nicolo_imp6_noisy.obj", "denoising/nicolo_imp6_original.obj"],
+/// Name, noisy file and true file of each, the files below the folder of the meshes.
+const PAIRS: [[&str; 3]; 13] = [
+    ["Fandisk0.3", "denoising/Fandisk0.3_noisy.obj", "denoising/Fandisk0.3_original.obj"],
+    ["Fandisk0.7", "denoising/Fandisk0.7_noisy.obj", "denoising/Fandisk0.3_original.obj"],
+    ["Block0.4", "denoising/Block0.4_noisy.obj", "denoising/Block0.4_original.obj"],
+    [
+        "Twelve0.5",
+        "denoising/Twelve0.5Impulsive_noisy.obj",
+        "denoising/Twelve0.5Impulsive_original.obj",
+    ],
+    ["fandisk_ns", "assignment/fandisk_ns.obj", "assignment/fandisk.obj"],
+    ["Julius0.2", "denoising/Julius0.2_noisy.obj", "denoising/Julius0.2_original.obj"],
+    ["KinectPyramid", "denoising/KinectPyramid_noisy.obj", "denoising/KinectPyramid_original.obj"],
+    ["ScanBunny090", "denoising/ScanBunny090_noisy.obj", "denoising/ScanBunny090_original.obj"],
+    ["ScanDragon0", "denoising/ScanDragon0_noisy.obj", "denoising/ScanDragon0_original.obj"],
+    ["igea_n3", "denoising/igea_n3_noisy.obj", "denoising/igea_n3_original.obj"],
+    ["child_n3", "denoising/child_n3_noisy.obj", "denoising/child_n3_original.obj"],
+    ["trim-star_n3", "denoising/trim-star_n3_noisy.obj", "denoising/trim-star_n3_original.obj"],
+    ["nicolo_imp6", "denoising/nicolo_imp6_noisy.obj", "denoising/nicolo_imp6_original.obj"],
 ];
 
-/// The names of all pairs.
-pub const PAIR_NAMES: [&str; 13] = [
-    "Fandisk0.3",
-    "Fandisk0.7",
-    "Block0.4",
-    "Twelve0.5",
-    "fandisk_ns",
-    "Julius0.2",
-    "KinectPyramid",
-    "ScanBunny090",
-    "ScanDragon0",
-    "igea_n3",
-    "child_n3",
-    "trim-star_n3",
-    "nicolo_imp6",
-];
+/// Returns true for the name of a pair.
+pub fn is_pair(name: &str) -> bool {
+    PAIRS.iter().any(|[pair, ..]| *pair == name)
+}
 
 /// The pairs found in the folder, and the names of those that are not there.
-///
-/// # Errors
-///
-/// A file that cannot be read, or a pair with different numbers of vertices.
 pub fn pairs(folder: &Path) -> Result<(Vec<Pair>, Vec<&'static str>)> {
     let (mut found, mut absent) = (vec![], vec![]);
-    for (name, files) in PAIR_NAMES.into_iter().zip(FILES) {
-        let [noisy, truth] = files.map(|file| folder.join(file));
+    for [name, noisy, truth] in PAIRS {
+        let [noisy, truth] = [noisy, truth].map(|file| folder.join(file));
         if !noisy.is_file() || !truth.is_file() {
             absent.push(name);
             continue;

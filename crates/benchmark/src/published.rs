@@ -185,10 +185,6 @@ impl Method {
     ];
 
     /// The method of this name.
-    ///
-    /// # Errors
-    ///
-    /// An unknown name.
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|m| m.denoiser.name() == name);
         found.with_context(|| format!("there is no published method {name}"))
@@ -235,10 +231,6 @@ impl Method {
     }
 
     /// Denoises with these parameters.
-    ///
-    /// # Errors
-    ///
-    /// The errors of the method.
     pub fn run(&self, mesh: &TriMesh, setting: &Setting) -> Result<TriMesh, DenoiseError> {
         let values = self.axes.iter().zip(&setting.0).map(|(a, &i)| a.values[i]);
         (self.run)(mesh, &values.collect::<Vec<_>>())
@@ -252,10 +244,6 @@ impl Method {
     }
 
     /// The parameters from their text.
-    ///
-    /// # Errors
-    ///
-    /// A name or a value that this method does not have.
     pub fn parsed(&self, text: &str) -> Result<Setting> {
         let parts: Vec<&str> = text.split("; ").collect();
         if parts.len() != self.axes.len() {
@@ -273,10 +261,6 @@ impl Method {
 }
 
 /// The denoiser of this name with its defaults, as a function.
-///
-/// # Errors
-///
-/// An unknown name.
 pub fn denoiser(name: &str) -> Result<impl Fn(&TriMesh) -> Result<TriMesh, DenoiseError>> {
     let denoiser: Denoiser = name.parse()?;
     Ok(move |mesh: &TriMesh| denoiser.denoise(mesh))

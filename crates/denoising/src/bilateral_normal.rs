@@ -14,7 +14,7 @@ use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance};
 use super::masked::Masked;
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, follow_normals};
+use super::vertex_update::follow_normals;
 
 fairing_parameters::options! {
     /// Options of [`bilateral_normal`].
@@ -76,7 +76,7 @@ fn filter(input: Masked<'_>, options: &BilateralNormalOptions) -> Result<TriMesh
             })
             .collect();
     }
-    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, options.vertex_steps)
 }
 
 fairing_parameters::options! {
@@ -172,7 +172,7 @@ fn filter_globally(
     let normals = solved(found, &accuracy, 0)?;
     let normals: Vec<DVec3> =
         normals.into_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
-    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, options.vertex_steps)
 }
 
 /// The geometric part of the weights, computed once.

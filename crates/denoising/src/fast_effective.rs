@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::faces::{FaceLists, FaceShapes};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, follow_normals};
+use super::vertex_update::follow_normals;
 use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
@@ -72,5 +72,5 @@ fn filter(input: Masked<'_>, options: &FastEffectiveOptions) -> Result<TriMesh, 
             })
             .collect();
     }
-    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, options.vertex_steps)
 }

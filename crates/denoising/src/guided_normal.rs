@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, follow_normals};
+use super::vertex_update::follow_normals;
 use super::{DenoiseError, Masked};
 
 fairing_parameters::options! {
@@ -75,7 +75,6 @@ fn filter(input: Masked<'_>, options: &GuidedNormalOptions) -> Result<TriMesh, D
     let shapes = FaceShapes::new(mesh);
     let unit = mean_centroid_distance(&hinges, &shapes.centroids);
     let near = FaceLists::within(&rings, &shapes.centroids, options.radius * unit);
-    let update = VertexUpdate { steps: options.vertex_steps, limit: None };
     let mut current = mesh.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
@@ -101,7 +100,7 @@ fn filter(input: Masked<'_>, options: &GuidedNormalOptions) -> Result<TriMesh, D
                 sum.normalize_or_zero()
             })
             .collect();
-        current = follow_normals(input.on(&current), &normals, &update)?;
+        current = follow_normals(input.on(&current), &normals, options.vertex_steps)?;
     }
     Ok(current)
 }

@@ -48,4 +48,4 @@ pub use total_generalised_variation::{
     TotalGeneralisedVariationOptions, total_generalised_variation,
 };
 pub use total_variation::{TotalVariationOptions, total_variation};
-pub use vertex_update::{VertexUpdate, update_vertices};
+pub use vertex_update::update_vertices;

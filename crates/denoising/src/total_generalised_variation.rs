@@ -11,7 +11,7 @@ use super::faces::{FaceShapes, NO_HINGE};
 use super::jumps::{JumpSystem, length, shorten};
 use super::masked::Masked;
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, follow_normals};
+use super::vertex_update::follow_normals;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
@@ -92,7 +92,7 @@ fn filter(
         return Ok(mesh.clone());
     }
     let normals = filtered_normals(mesh, options)?;
-    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, options.vertex_steps)
 }
 
 /// The normals of the minimiser.

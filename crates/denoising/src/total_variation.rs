@@ -12,7 +12,7 @@ use super::faces::Hinge;
 use super::jumps::{JumpSystem, shorten};
 use super::masked::Masked;
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, follow_normals};
+use super::vertex_update::follow_normals;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
@@ -98,7 +98,7 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
     }
     let normals: Vec<DVec3> =
         normals.into_par_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
-    follow_normals(input, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(input, &normals, options.vertex_steps)
 }
 
 /// α w of each hinge.

@@ -8,29 +8,10 @@ use rayon::prelude::*;
 use super::oriented::on_oriented;
 use super::{DenoiseError, Masked};
 
-/// The rule by which [`update_vertices`] moves vertices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct VertexUpdate {
-    /// Steps over all vertices.
-    pub steps: usize,
-    /// The largest distance from the input, in mesh units; vertices are kept
-    /// on that sphere. `None`: no limit.
-    pub limit: Option<f64>,
-}
-
-impl Default for VertexUpdate {
-    /// Ten steps without a limit.
-    fn default() -> Self {
-        Self { steps: 10, limit: None }
-    }
-}
-
 /// Moves the vertices of `mesh` so that the face normals approach `normals`
 /// (unit vectors, one per face; zero for a face that is to have no say).
 ///
-/// Each step moves every vertex towards the planes through the centroids c of
+/// Each of the `steps` moves every vertex towards the planes through the centroids c of
 /// its faces F, all at once:
 ///
 /// ```text
@@ -46,9 +27,8 @@ impl Default for VertexUpdate {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::Option`] if there is not one normal per face or the
-/// limit is not positive; [`DenoiseError::Build`] if a normal is not
-/// finite.
+/// [`DenoiseError::Option`] if there is not one normal per face;
+/// [`DenoiseError::Build`] if a normal is not finite.
 ///
 /// Source: [sun2007].
 ///
@@ -56,32 +36,28 @@ impl Default for VertexUpdate {
 pub fn update_vertices<'a>(
     mesh: impl Into<Masked<'a>>,
     normals: &[[f64; 3]],
-    options: &VertexUpdate,
+    steps: usize,
 ) -> Result<TriMesh, DenoiseError> {
     let input = mesh.into();
     let one_each = normals.len() == input.mesh().face_count();
     let (count, expected) = (normals.len() as f64, "the number of faces");
     OptionError::require(one_each, "number of normals", count, expected)?;
     let normals: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
-    follow_normals(input, &normals, options)
+    follow_normals(input, &normals, steps)
 }
 
 /// [`update_vertices`] for one normal per face.
 pub(crate) fn follow_normals(
     input: Masked<'_>,
     normals: &[DVec3],
-    options: &VertexUpdate,
+    steps: usize,
 ) -> Result<TriMesh, DenoiseError> {
-    if let Some(limit) = options.limit {
-        OptionError::require_positive("limit", limit)?;
-    }
     on_oriented(input, |input| {
         let mesh = input.mesh();
-        let start = mesh.positions();
-        let mut positions = start.to_vec();
-        for _ in 0..options.steps {
+        let mut positions = mesh.positions().to_vec();
+        for _ in 0..steps {
             fairing_watch::check();
-            positions = step(input, normals, start, &positions, options.limit);
+            positions = step(input, normals, &positions);
         }
         Ok(mesh.with_positions(positions)?)
     })
@@ -110,13 +86,7 @@ impl Aim {
 }
 
 /// One step of all vertices from `current`.
-fn step(
-    input: Masked<'_>,
-    normals: &[DVec3],
-    start: &[[f64; 3]],
-    current: &[[f64; 3]],
-    limit: Option<f64>,
-) -> Vec<[f64; 3]> {
+fn step(input: Masked<'_>, normals: &[DVec3], current: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let (incidence, faces) = (input.mesh().incidence(), input.mesh().faces());
     let aims: Vec<Aim> = faces
         .par_iter()
@@ -142,14 +112,6 @@ fn step(
                 count += 1;
             }
             let mut y = x + sum * (1.0 / f64::from(count.max(1)));
-            if let Some(limit) = limit {
-                let from = DVec3::from(start[v]);
-                let offset = y - from;
-                let length = offset.length();
-                if length > limit {
-                    y = from + offset * (limit / length);
-                }
-            }
             if (y - x).length() < slack {
                 return y.to_array();
             }
@@ -192,7 +154,7 @@ mod tests {
             .map(|f| DVec3::new(number(2 * f + 1), number(2 * f + 2), 0.2).normalize())
             .collect();
         let x = mesh.positions();
-        let moved = step((&mesh).into(), &normals, x, x, None);
+        let moved = step((&mesh).into(), &normals, x);
         let (mut plain, mut kept) = (0, 0);
         for v in 0..x.len() {
             let corners = mesh.incidence().corners(v as u32);

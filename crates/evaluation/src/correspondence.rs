@@ -13,7 +13,10 @@ use crate::EvaluationError;
 /// # Errors
 ///
 /// [`EvaluationError::NoCorrespondence`] if they cannot.
-pub fn check_correspondence(mesh: &TriMesh, reference: &TriMesh) -> Result<(), EvaluationError> {
+pub(crate) fn check_correspondence(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+) -> Result<(), EvaluationError> {
     let shared = Arc::ptr_eq(mesh.connectivity(), reference.connectivity());
     let alike = |(f, g): (&[u32; 3], &[u32; 3])| {
         f == g || {

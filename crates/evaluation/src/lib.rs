@@ -27,7 +27,6 @@ mod scores;
 mod surface_tree;
 mod triangle;
 
-pub use correspondence::check_correspondence;
 pub use curvature_error::curvature_error;
 pub use distance::{
     SurfaceDistance, VertexDisplacement, VertexDistance, at_closest_points, surface_distance,
@@ -41,7 +40,7 @@ pub use inside::inside;
 pub use intersections::self_intersections;
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
 pub use normal_error::{NormalAngles, normal_error};
-pub use orders::{observed_order_steps, observed_orders};
+pub use orders::observed_orders;
 pub use scan::{Scan, ScanOptions, scan};
 pub use scores::{Score, ScoreOptions, ScoreUnit, Scores};
 pub use surface_tree::{Closest, SurfaceTree};

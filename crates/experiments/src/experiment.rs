@@ -29,10 +29,6 @@ pub trait Experiment: Sync {
     fn run(&self, context: &Context<'_>) -> Result<Outcome>;
 
     /// Judges the claims from the tables, and from nothing else.
-    ///
-    /// # Errors
-    ///
-    /// If a table lacks what the judgement needs.
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let _ = tables;
         Ok(vec![])
@@ -87,21 +83,12 @@ impl<'a> Context<'a> {
 
     /// The mesh that plays a part without a stand-in; `None` where it was not
     /// found.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be read.
-    pub fn mesh_if_present(&self, input: Input) -> Result<Option<fairing_mesh::TriMesh>> {
+    pub(crate) fn mesh_if_present(&self, input: Input) -> Result<Option<fairing_mesh::TriMesh>> {
         self.inputs.source(input).map(|_| self.inputs.mesh(input)).transpose()
     }
 
-    /// Returns true if a mesh plays this part, be it a stand-in.
-    pub fn is_present(&self, input: Input) -> bool {
-        self.inputs.source(input).is_some()
-    }
-
     /// Returns true if a stand-in plays this part.
-    pub fn is_stand_in(&self, input: Input) -> bool {
+    pub(crate) fn is_stand_in(&self, input: Input) -> bool {
         self.inputs.source(input).is_some_and(|source| source.stand_in)
     }
 
@@ -113,7 +100,7 @@ impl<'a> Context<'a> {
     }
 
     /// Returns true for small sizes and few repetitions.
-    pub fn is_quick(&self) -> bool {
+    pub(crate) fn is_quick(&self) -> bool {
         self.quick
     }
 

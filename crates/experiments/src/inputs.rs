@@ -10,213 +10,107 @@ use fairing_mesh::TriMesh;
 use fairing_results::results::Source;
 use sha2::{Digest, Sha256};
 
-/// A part that a mesh plays in the assignment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Input {
-    /// The open flower of questions 1 and 3.
-    Flower,
-    /// The flat grid of questions 1 and 3.
-    Plane,
-    /// The small closed model of question 4: its full spectrum is cheap.
-    Armadillo,
-    /// The same model with 25 thousand vertices.
-    ArmadilloLarge,
-    /// The noisy open patch of questions 5 and 6.
-    NoisyPlane,
-    /// The noisy machine part of questions 5 and 6.
-    NoisyFandisk,
-    /// The same part without noise, vertex for vertex; question 7.
-    Fandisk,
-    /// The simple cube of questions 5 to 7.
-    Cube,
-    /// A scanned animal; question 7.
-    Scan,
-    /// A noisy mesh of the literature on denoising.
-    LiteratureNoisy(Pair),
-    /// The same mesh without noise, face for face.
-    LiteratureTrue(Pair),
-}
-
-/// A mesh on which denoisers are compared in the literature. The number is the
-/// standard deviation of its noise in mean edge lengths.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Pair {
-    /// A machine part, 0.3.
-    FandiskLow,
-    /// The same part, 0.7.
-    FandiskHigh,
-    /// A machine part with holes, 0.4.
-    Block,
-    /// A polyhedron, impulsive noise of 0.5.
-    Twelve,
-    /// A scanned bust, 0.2.
-    Julius,
-}
-
-impl Pair {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::FandiskLow, Self::FandiskHigh, Self::Block, Self::Twelve, Self::Julius];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::FandiskLow => "fandisk-low",
-            Self::FandiskHigh => "fandisk-high",
-            Self::Block => "block",
-            Self::Twelve => "twelve",
-            Self::Julius => "julius",
-        }
-    }
-
-    /// File, digest and stand-in of the noisy mesh.
-    fn noisy(self) -> (&'static str, &'static str, Option<&'static str>) {
-        match self {
-            Self::FandiskLow => (
-                "Fandisk0.3_noisy.obj",
-                "acae4757eeb8efdd76f186b4d80318dc109f19302dcb5a7f5ab1d3812a7b2c2f",
-                None,
-            ),
-            Self::FandiskHigh => (
-                "Fandisk0.7_noisy.obj",
-                "ce83ab470906858d3113044b27cc180f4addcc932f9ab9446b52438c00552faa",
-                None,
-            ),
-            Self::Block => (
-                "Block0.4_noisy.obj",
-                "3e5ff9342a58517ec99727906d148977d14964045b778c1d1939a10c1b9f868d",
-                None,
-            ),
-            Self::Twelve => (
-                "Twelve0.5Impulsive_noisy.obj",
-                "ae35fb3dd7ac7c4e2446714aaafec227d8e743cc406aee0e9dc80f273d903200",
-                None,
-            ),
-            Self::Julius => (
-                "Julius0.2_noisy.obj",
-                "2fdf99e486bdf8e0fb77dd2785103ca9cf4203e8ed2697cf21b6450b79ef9944",
-                None,
-            ),
-        }
-    }
-
-    /// File, digest and stand-in of the mesh without noise.
-    fn truth(self) -> (&'static str, &'static str, Option<&'static str>) {
-        match self {
-            Self::FandiskLow | Self::FandiskHigh => (
-                "Fandisk0.3_original.obj",
-                "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed",
-                None,
-            ),
-            Self::Block => (
-                "Block0.4_original.obj",
-                "2d0f1ac29d97d0e4b08bf8827f63e13e97176b70e0303df44a570310ca555205",
-                None,
-            ),
-            Self::Twelve => (
-                "Twelve0.5Impulsive_original.obj",
-                "4da595a329aa1d3f1ae4fe595e2bf2e289355a8af0e197a1fd1d47754db99cdc",
-                None,
-            ),
-            Self::Julius => (
-                "Julius0.2_original.obj",
-                "de1b91d99dad06668dc29162e1a745b3d2f31c6ff90476e9ba0592c7c3b12b2b",
-                None,
-            ),
-        }
-    }
-}
-
-/// Names and digests of one input.
+/// Names and digest of one input.
 struct Known {
+    /// The name of the part in `results.json`.
+    name: &'static str,
     /// The name of the assignment's file.
     file: &'static str,
-    /// Its digest, so that another file of the same name is not taken for it.
-    sha256: &'static str,
     /// The name of the stand-in in `data/`; some parts have none.
     stand_in: Option<&'static str>,
+    /// The digest of the assignment's file, so that another file of the same name is not taken for
+    /// it.
+    sha256: &'static str,
+}
+
+/// Makes the enum of inputs from their names, files, stand-ins and digests.
+macro_rules! inputs {
+    ($($(#[$doc:meta])* $input:ident $name:literal, $file:literal, $stand_in:expr, $sha256:literal;)*) => {
+        /// A part that a mesh plays in the assignment, or a mesh on which denoisers are compared in
+        /// the literature; levels of noise are standard deviations in mean edge lengths.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Input {
+            $($(#[$doc])* $input,)*
+        }
+
+        impl Input {
+            const ALL: &'static [Self] = &[$(Self::$input),*];
+
+            fn known(self) -> Known {
+                match self {
+                    $(Self::$input => {
+                        Known { name: $name, file: $file, stand_in: $stand_in, sha256: $sha256 }
+                    })*
+                }
+            }
+        }
+    };
+}
+
+inputs! {
+    /// The open flower of questions 1 and 3.
+    Flower "flower", "lilium_s.obj", Some("flower.ply"),
+        "907a2122f6cc8e4f40c8aa79203f51cc0384aed7d9e5812ff1eb9bfbef848147";
+    /// The flat grid of questions 1 and 3.
+    Plane "plane", "plane.obj", Some("plane.ply"),
+        "b26a07b8831e022a99de1a5a9d720537adc405eb00ba2250afcf61afc29ae30e";
+    /// The small closed model of question 4: its full spectrum is cheap.
+    Armadillo "armadillo", "armadillo.obj", Some("creature.ply"),
+        "a79d32581c0c01b219b69026120f2054cbaf26465c8f0c5fae3c7a6d26c20333";
+    /// The same model with 25 thousand vertices.
+    ArmadilloLarge "armadillo-large", "armadillo_25k.obj", Some("creature_25k.ply"),
+        "9ece90210ccd5ed58645f44a52dcd4fc4e339581c0e3d16c6b8166bc02725baf";
+    /// The noisy open patch of questions 5 and 6.
+    NoisyPlane "noisy-plane", "plane_ns.obj", Some("plane_noisy.ply"),
+        "a3046911dfd4fe5c588fb5a344e30910fb3c9780ae34d97efb7228660c231e6c";
+    /// The noisy machine part of questions 5 and 6.
+    NoisyFandisk "noisy-fandisk", "fandisk_ns.obj", Some("block_noisy.ply"),
+        "ffed02522f353d4314a9adca3386552c30a14578f531480c710fc8b78e350a6c";
+    /// The same part without noise, vertex for vertex; question 7.
+    Fandisk "fandisk", "fandisk.off", Some("block.ply"),
+        "05bd799a78e7feece372b5b19787b7bc56c5f5e46888f998db23eaf30be2e443";
+    /// The simple cube of questions 5 to 7.
+    Cube "cube", "cube.obj", Some("cube.obj"),
+        "cccfb0498e91aaa1e83db7090a05d81ea9ada249f3175e758e0c6c74eec9491d";
+    /// A scanned animal; question 7.
+    Scan "scan", "bunny.obj", None,
+        "12d26e804794001d1330143b7a2e5f3df9fd55f80176bcb40a11ac017241dd41";
+    /// A machine part with noise of 0.3.
+    FandiskLowNoisy "fandisk-low-noisy", "Fandisk0.3_noisy.obj", None,
+        "acae4757eeb8efdd76f186b4d80318dc109f19302dcb5a7f5ab1d3812a7b2c2f";
+    /// The same part with noise of 0.7.
+    FandiskHighNoisy "fandisk-high-noisy", "Fandisk0.7_noisy.obj", None,
+        "ce83ab470906858d3113044b27cc180f4addcc932f9ab9446b52438c00552faa";
+    /// A machine part with holes, with noise of 0.4.
+    BlockNoisy "block-noisy", "Block0.4_noisy.obj", None,
+        "3e5ff9342a58517ec99727906d148977d14964045b778c1d1939a10c1b9f868d";
+    /// A polyhedron with impulsive noise of 0.5.
+    TwelveNoisy "twelve-noisy", "Twelve0.5Impulsive_noisy.obj", None,
+        "ae35fb3dd7ac7c4e2446714aaafec227d8e743cc406aee0e9dc80f273d903200";
+    /// A scanned bust with noise of 0.2.
+    JuliusNoisy "julius-noisy", "Julius0.2_noisy.obj", None,
+        "2fdf99e486bdf8e0fb77dd2785103ca9cf4203e8ed2697cf21b6450b79ef9944";
+    /// The mesh of [`FandiskLowNoisy`](Self::FandiskLowNoisy) without noise, face for face.
+    FandiskLowTrue "fandisk-low-true", "Fandisk0.3_original.obj", None,
+        "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed";
+    /// The mesh of [`FandiskHighNoisy`](Self::FandiskHighNoisy) without noise, face for face.
+    FandiskHighTrue "fandisk-high-true", "Fandisk0.3_original.obj", None,
+        "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed";
+    /// The mesh of [`BlockNoisy`](Self::BlockNoisy) without noise, face for face.
+    BlockTrue "block-true", "Block0.4_original.obj", None,
+        "2d0f1ac29d97d0e4b08bf8827f63e13e97176b70e0303df44a570310ca555205";
+    /// The mesh of [`TwelveNoisy`](Self::TwelveNoisy) without noise, face for face.
+    TwelveTrue "twelve-true", "Twelve0.5Impulsive_original.obj", None,
+        "4da595a329aa1d3f1ae4fe595e2bf2e289355a8af0e197a1fd1d47754db99cdc";
+    /// The mesh of [`JuliusNoisy`](Self::JuliusNoisy) without noise, face for face.
+    JuliusTrue "julius-true", "Julius0.2_original.obj", None,
+        "de1b91d99dad06668dc29162e1a745b3d2f31c6ff90476e9ba0592c7c3b12b2b";
 }
 
 impl Input {
     /// Those with a stand-in, in the order of the questions.
-    pub const WITH_STAND_IN: [Self; 8] = [
-        Self::Flower,
-        Self::Plane,
-        Self::Armadillo,
-        Self::ArmadilloLarge,
-        Self::NoisyPlane,
-        Self::NoisyFandisk,
-        Self::Fandisk,
-        Self::Cube,
-    ];
-
-    /// The name of the part in `results.json`.
-    pub fn name(self) -> String {
-        match self {
-            Self::Flower => "flower".into(),
-            Self::Plane => "plane".into(),
-            Self::Armadillo => "armadillo".into(),
-            Self::ArmadilloLarge => "armadillo-large".into(),
-            Self::NoisyPlane => "noisy-plane".into(),
-            Self::NoisyFandisk => "noisy-fandisk".into(),
-            Self::Fandisk => "fandisk".into(),
-            Self::Cube => "cube".into(),
-            Self::Scan => "scan".into(),
-            Self::LiteratureNoisy(pair) => format!("{}-noisy", pair.name()),
-            Self::LiteratureTrue(pair) => format!("{}-true", pair.name()),
-        }
-    }
-
-    fn known(self) -> Known {
-        let (file, sha256, stand_in) = match self {
-            Self::Flower => (
-                "lilium_s.obj",
-                "907a2122f6cc8e4f40c8aa79203f51cc0384aed7d9e5812ff1eb9bfbef848147",
-                Some("flower.ply"),
-            ),
-            Self::Plane => (
-                "plane.obj",
-                "b26a07b8831e022a99de1a5a9d720537adc405eb00ba2250afcf61afc29ae30e",
-                Some("plane.ply"),
-            ),
-            Self::Armadillo => (
-                "armadillo.obj",
-                "a79d32581c0c01b219b69026120f2054cbaf26465c8f0c5fae3c7a6d26c20333",
-                Some("creature.ply"),
-            ),
-            Self::ArmadilloLarge => (
-                "armadillo_25k.obj",
-                "9ece90210ccd5ed58645f44a52dcd4fc4e339581c0e3d16c6b8166bc02725baf",
-                Some("creature_25k.ply"),
-            ),
-            Self::NoisyPlane => (
-                "plane_ns.obj",
-                "a3046911dfd4fe5c588fb5a344e30910fb3c9780ae34d97efb7228660c231e6c",
-                Some("plane_noisy.ply"),
-            ),
-            Self::NoisyFandisk => (
-                "fandisk_ns.obj",
-                "ffed02522f353d4314a9adca3386552c30a14578f531480c710fc8b78e350a6c",
-                Some("block_noisy.ply"),
-            ),
-            Self::Fandisk => (
-                "fandisk.off",
-                "05bd799a78e7feece372b5b19787b7bc56c5f5e46888f998db23eaf30be2e443",
-                Some("block.ply"),
-            ),
-            Self::Cube => (
-                "cube.obj",
-                "cccfb0498e91aaa1e83db7090a05d81ea9ada249f3175e758e0c6c74eec9491d",
-                Some("cube.obj"),
-            ),
-            Self::Scan => (
-                "bunny.obj",
-                "12d26e804794001d1330143b7a2e5f3df9fd55f80176bcb40a11ac017241dd41",
-                None,
-            ),
-            Self::LiteratureNoisy(pair) => pair.noisy(),
-            Self::LiteratureTrue(pair) => pair.truth(),
-        };
-        Known { file, sha256, stand_in }
+    pub fn with_stand_in() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|input| input.stand_in().is_some())
     }
 
     /// The mesh with the same vertices: where that one has a stand-in, so has this one.
@@ -255,7 +149,7 @@ impl Inputs {
     ///
     /// If a folder cannot be read, a file has the right name and other
     /// contents, or a stand-in is missing.
-    pub fn locate(wanted: &[Input], data: &Path, meshes: Option<&Path>) -> Result<Self> {
+    pub(crate) fn locate(wanted: &[Input], data: &Path, meshes: Option<&Path>) -> Result<Self> {
         let mut found: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
         if let Some(folder) = meshes {
             collect(folder, &mut found)?;
@@ -276,7 +170,7 @@ impl Inputs {
             };
             let (file, sha256) = (file.to_string(), file_sha256(&path)?);
             let source = Source {
-                input: input.name(),
+                input: known.name.into(),
                 file,
                 sha256,
                 stand_in,
@@ -306,10 +200,6 @@ impl Inputs {
     }
 
     /// Reads the mesh that plays this part.
-    ///
-    /// # Errors
-    ///
-    /// If the file cannot be read as a mesh.
     pub fn mesh(&self, input: Input) -> Result<TriMesh> {
         let (source, path) = self.entry(input)?;
         let read = fairing_mesh::io::read(path);
@@ -352,10 +242,6 @@ fn collect(folder: &Path, found: &mut BTreeMap<String, Vec<PathBuf>>) -> Result<
 }
 
 /// The SHA-256 digest of a file, in hexadecimal.
-///
-/// # Errors
-///
-/// If the file cannot be read.
 pub fn file_sha256(path: &Path) -> Result<String> {
     let bytes = fs::read(path).with_context(|| format!("reading {}", path.display()))?;
     Ok(hex(&Sha256::digest(bytes)))

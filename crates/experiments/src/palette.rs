@@ -24,20 +24,12 @@ const FLAT: f64 = 0.01;
 
 /// The picture as a PNG file with a palette; transparency is laid over white.
 /// Pictures of at most 256 colours lose nothing.
-///
-/// # Errors
-///
-/// If PNG cannot hold the picture.
 pub(crate) fn png(image: &Image) -> Result<Vec<u8>> {
     encode(image.width() as usize, image.height() as usize, &over_white(image))
 }
 
 /// The same, at most `most` pixels wide. Each pixel is the mean, in linear
 /// light, of the pixels that it covers.
-///
-/// # Errors
-///
-/// If PNG cannot hold the picture.
 pub(crate) fn narrow_png(image: &Image, most: usize) -> Result<Vec<u8>> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     if width <= most {

@@ -7,8 +7,8 @@ use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
 use fairing_figure::FigureError;
-use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
+use fairing_mesh::{BuildError, RepairError};
 use fairing_operators::OperatorError;
 use fairing_parameters::{OptionError, ParameterError, UnknownName};
 use fairing_smoothing::{FlowError, FlowFailure};
@@ -57,6 +57,9 @@ pub enum Error {
     /// Positions and faces do not make a mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// A mesh cannot be repaired.
+    #[error(transparent)]
+    Repair(#[from] RepairError),
     /// A file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -133,18 +136,25 @@ impl Error {
             Self::Operator(error) => operator_kind(error),
             Self::Spectral(error) => spectral_kind(error),
             Self::Flow(error) => flow_kind(&error.failure),
-            Self::Denoise(DenoiseError::Option(_)) => ErrorKind::Option,
+            Self::Denoise(DenoiseError::Option(_)) | Self::Repair(RepairError::Option(_)) => {
+                ErrorKind::Option
+            }
             Self::Evaluation(error) => evaluation_kind(error),
             #[cfg(feature = "figure")]
-            Self::Figure(
-                FigureError::NonFinite { .. }
-                | FigureError::NoValues
-                | FigureError::Limits { .. }
-                | FigureError::Count { .. }
-                | FigureError::Size { .. },
-            ) => ErrorKind::Option,
+            Self::Figure(error) => figure_kind(error),
             _ => ErrorKind::Numeric,
         }
+    }
+}
+
+#[cfg(feature = "figure")]
+fn figure_kind(error: &FigureError) -> ErrorKind {
+    match error {
+        FigureError::NoFaces { .. }
+        | FigureError::NoExtent { .. }
+        | FigureError::TooFar { .. }
+        | FigureError::Png(_) => ErrorKind::Numeric,
+        _ => ErrorKind::Option,
     }
 }
 
@@ -160,13 +170,13 @@ fn operator_kind(error: &OperatorError) -> ErrorKind {
 
 fn spectral_kind(error: &SpectralError) -> ErrorKind {
     match error {
-        SpectralError::Positions(_) => ErrorKind::Input,
         SpectralError::Operator(error) => operator_kind(error),
         SpectralError::Kind { .. }
         | SpectralError::Repeated { .. }
         | SpectralError::TooManyModes { .. }
         | SpectralError::Rows { .. }
         | SpectralError::Option(_)
+        | SpectralError::NoSuchFace { .. }
         | SpectralError::NoSuchVertex { .. } => ErrorKind::Option,
         _ => ErrorKind::Numeric,
     }

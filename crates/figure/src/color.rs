@@ -4,7 +4,7 @@
 //! where twice the number is twice the light.
 
 /// The linear components, in [0, 1], of an sRGB colour (IEC 61966-2-1).
-pub fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
+pub(crate) fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| {
         let x = f32::from(c) / 255.0;
         if x <= 0.040_45 { x / 12.92 } else { libm::powf((x + 0.055) / 1.055, 2.4) }
@@ -13,7 +13,7 @@ pub fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
 
 /// The sRGB colour nearest to linear components; components outside [0, 1] are clamped first, as in
 /// an overexposed photograph.
-pub fn srgb_from_linear(linear: [f32; 3]) -> [u8; 3] {
+pub(crate) fn srgb_from_linear(linear: [f32; 3]) -> [u8; 3] {
     linear.map(|c| {
         let c = c.clamp(0.0, 1.0);
         let y = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * libm::powf(c, 1.0 / 2.4) - 0.055 };
@@ -23,7 +23,7 @@ pub fn srgb_from_linear(linear: [f32; 3]) -> [u8; 3] {
 
 /// The fully saturated colour of a hue in degrees: 0 is red, 120 green, 240
 /// blue; other angles are taken modulo 360.
-pub fn from_hue(degrees: f64) -> [u8; 3] {
+pub(crate) fn from_hue(degrees: f64) -> [u8; 3] {
     let sector = degrees.rem_euclid(360.0) / 60.0;
     let channel = |offset: f64| {
         let k = (offset + sector) % 6.0;

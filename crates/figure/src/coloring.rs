@@ -24,7 +24,7 @@ pub struct ColoringOptions {
 
 impl ColoringOptions {
     /// The scale options for a field with these values.
-    pub fn scale_options(&self, values: &[f64]) -> ScaleOptions {
+    pub(crate) fn scale_options(&self, values: &[f64]) -> ScaleOptions {
         let signed = values.iter().any(|&x| x < 0.0) && values.iter().any(|&x| x > 0.0);
         let mut options = if signed { ScaleOptions::SIGNED } else { ScaleOptions::MAGNITUDE };
         if let Some(map) = self.map {

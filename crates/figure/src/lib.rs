@@ -36,7 +36,6 @@ mod text;
 mod ticks;
 
 pub use camera::{Camera, Up, Viewpoint};
-pub use color::{from_hue, linear_from_srgb, srgb_from_linear};
 pub use colorbar::ColorBar;
 pub use coloring::ColoringOptions;
 pub use drawing::Drawing;

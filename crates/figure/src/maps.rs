@@ -28,23 +28,16 @@ pub enum ColorMap {
     Hue,
 }
 
+fairing_parameters::named!(ColorMap, "colour map",
+    Viridis: "viridis",
+    Cividis: "cividis",
+    Magma: "magma",
+    Turbo: "turbo",
+    CoolWarm: "coolwarm",
+    Hue: "hue",
+);
+
 impl ColorMap {
-    /// All maps, in the order of their documentation.
-    pub const ALL: [Self; 6] =
-        [Self::Viridis, Self::Cividis, Self::Magma, Self::Turbo, Self::CoolWarm, Self::Hue];
-
-    /// The name on command lines and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viridis => "viridis",
-            Self::Cividis => "cividis",
-            Self::Magma => "magma",
-            Self::Turbo => "turbo",
-            Self::CoolWarm => "coolwarm",
-            Self::Hue => "hue",
-        }
-    }
-
     /// The colour at `t`; values outside of [0, 1] get the colour of the
     /// nearer end.
     pub fn at(self, t: f64) -> [u8; 3] {
@@ -62,7 +55,6 @@ impl ColorMap {
     }
 }
 
-fairing_parameters::named!(ColorMap, "colour map");
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(ColorMap);
 

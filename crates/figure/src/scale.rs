@@ -191,12 +191,12 @@ impl Scale {
     }
 
     /// Returns true if a value is below the range.
-    pub fn has_below(&self) -> bool {
+    pub(crate) fn has_below(&self) -> bool {
         self.below
     }
 
     /// Returns true if a value is above the range.
-    pub fn has_above(&self) -> bool {
+    pub(crate) fn has_above(&self) -> bool {
         self.above
     }
 

@@ -25,14 +25,6 @@ pub enum OperatorError {
         /// Its longest edge, in mesh units.
         edge: f64,
     },
-    /// An edge has more than two faces, or two that turn against each other.
-    #[error("edge ({}, {}) is not manifold: {faces} faces, or two that turn against each other", edge[0], edge[1])]
-    NonManifoldEdge {
-        /// Its ends.
-        edge: [u32; 2],
-        /// The number of its faces.
-        faces: usize,
-    },
     /// No edge has a positive length.
     #[error("every edge has zero length")]
     NoLength,

@@ -36,29 +36,14 @@ pub enum LaplacianKind {
     Polygon,
 }
 
-impl LaplacianKind {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::Auto,
-        Self::NonNegative,
-        Self::Uniform,
-        Self::Cotangent,
-        Self::Robust,
-        Self::Polygon,
-    ];
-
-    /// The name on the command line and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::NonNegative => "non-negative",
-            Self::Uniform => "uniform",
-            Self::Cotangent => "cotangent",
-            Self::Robust => "robust",
-            Self::Polygon => "polygon",
-        }
-    }
-}
+fairing_parameters::named!(LaplacianKind, "Laplacian",
+    Auto: "auto",
+    NonNegative: "non-negative",
+    Uniform: "uniform",
+    Cotangent: "cotangent",
+    Robust: "robust",
+    Polygon: "polygon",
+);
 
 /// The kind of mass of a [`Laplacian`](crate::Laplacian).
 ///
@@ -85,23 +70,16 @@ pub enum MassKind {
     Unit,
 }
 
+fairing_parameters::named!(MassKind, "mass",
+    Barycentric: "barycentric",
+    Mixed: "mixed",
+    Voronoi: "voronoi",
+    Consistent: "consistent",
+    Degree: "degree",
+    Unit: "unit",
+);
+
 impl MassKind {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Barycentric, Self::Mixed, Self::Voronoi, Self::Consistent, Self::Degree, Self::Unit];
-
-    /// The name on the command line and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Barycentric => "barycentric",
-            Self::Mixed => "mixed",
-            Self::Voronoi => "voronoi",
-            Self::Consistent => "consistent",
-            Self::Degree => "degree",
-            Self::Unit => "unit",
-        }
-    }
-
     /// The area that it is made of, if it is a diagonal of areas.
     pub fn area(self) -> Option<LumpedArea> {
         match self {
@@ -123,11 +101,9 @@ impl From<LumpedArea> for MassKind {
     }
 }
 
-fairing_parameters::named!(LaplacianKind, "Laplacian");
-
 impl LaplacianKind {
     /// The kinds that a program offers where weights come from cotangents.
-    pub const CHOICES: &'static [Choice] = &[
+    pub const CHOICES: [Choice; 3] = [
         Choice::new(
             "auto",
             "Cotangents, or robust if a face is too thin for cotangents; always cotangent unless \
@@ -138,11 +114,14 @@ impl LaplacianKind {
     ];
 }
 
-/// The kinds of cotangents.
+/// The kinds of cotangents, unless the field names its choices.
 impl Field for LaplacianKind {
     fn parameters(&self, field: Parameter) -> Vec<Parameter> {
-        let default = Some(Value::from(self.name()));
-        vec![Parameter { kind: Kind::Choice(Self::CHOICES), default, ..field }]
+        let kind = match field.kind {
+            Kind::Choice(_) => field.kind,
+            _ => Kind::Choice(&Self::CHOICES),
+        };
+        vec![Parameter { kind, default: Some(Value::from(self.name())), ..field }]
     }
 
     fn read(&mut self, name: &'static str, values: &Values) -> Result<(), ParameterError> {
@@ -151,7 +130,6 @@ impl Field for LaplacianKind {
     }
 }
 
-fairing_parameters::named!(MassKind, "mass");
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(LaplacianKind);
 #[cfg(feature = "serde")]

@@ -19,10 +19,26 @@ pub fn by_name<T: Copy>(
 }
 
 /// Makes a type be written as its name (`Display`) and read from it
-/// (`FromStr`), from its constant `ALL` and its method `name`.
+/// (`FromStr`), from its constant `ALL` and its method `name`. With a list of names it makes these
+/// two as well.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named {
+    ($type:ty, $what:literal, $($variant:ident: $name:literal),+ $(,)?) => {
+        impl $type {
+            /// All of them.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
+
+            /// The name on the command line and in tables.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),+
+                }
+            }
+        }
+
+        $crate::named!($type, $what);
+    };
     ($type:ty, $what:literal) => {
         impl ::std::fmt::Display for $type {
             fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
@@ -72,22 +88,12 @@ macro_rules! serde_by_name {
 #[macro_export]
 macro_rules! choices {
     ($type:ty, $what:literal, $($variant:ident: $name:literal, $about:literal;)*) => {
-        impl $type {
-            /// All of them.
-            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+        $crate::named!($type, $what, $($variant: $name),*);
 
+        impl $type {
             /// Their names, and what they mean.
             pub const CHOICES: &'static [$crate::Choice] = &[$($crate::Choice::new($name, $about)),*];
-
-            /// The name on the command line and in tables.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $name),*
-                }
-            }
         }
-
-        $crate::named!($type, $what);
 
         impl $crate::Field for $type {
             fn parameters(&self, field: $crate::Parameter) -> Vec<$crate::Parameter> {

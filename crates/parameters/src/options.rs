@@ -80,12 +80,12 @@ impl<O: Options> Entry<O> {
 
 /// Declares the options of an algorithm: a struct whose fields are parameters.
 ///
-/// A field has a documentation comment, a default, and as far as it has one a range
-/// ([`Range`](crate::Range)) and a unit. The comment is the description in the help of programs.
-/// After the struct come the names of the algorithm, each with a one-line summary and its sources;
-/// of several names each says with which options, and how they are told apart. `also` lists
-/// parameters that are no fields, and `then` is called with the options and all values after the
-/// fields have been read.
+/// A field has a documentation comment, a default, and where it needs them a range
+/// ([`Range`](crate::Range)), choices and a unit. The comment is the description in the help of
+/// programs. After the struct come the names of the algorithm, each with a one-line summary and its
+/// sources; of several names each says with which options, and how they are told apart. `also`
+/// lists parameters that are no fields, and `then` is called with the options and all values after
+/// the fields have been read.
 ///
 /// The struct gets a constant `DEFAULT`, `Default`, and [`Options`](crate::Options).
 ///
@@ -122,6 +122,7 @@ macro_rules! options {
                 $(#[doc = $doc:literal])+
                 pub $field:ident: $type:ty = $default:expr
                     $(, in $range:expr)?
+                    $(, among $choices:expr)?
                     $(, unit $unit:literal)?
                     $(, name $name:literal)?
                     $(, excludes $excludes:expr)?
@@ -183,7 +184,7 @@ macro_rules! options {
                     required: $crate::__or!(false $(, $required)?),
                     ..$crate::Parameter::new(
                         $crate::__name!($field $(, $name)?),
-                        $crate::Kind::Number,
+                        $crate::__or!($crate::Kind::Number $(, $crate::Kind::Choice($choices))?),
                         $crate::sentence(concat!($($doc),+)),
                     )
                 })),*];

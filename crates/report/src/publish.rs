@@ -15,10 +15,6 @@ use crate::{thumbnail, views};
 /// Makes a report of `folder`, which holds the files of experiments that have just run: packs the
 /// data of views, keeps the files of this form of the report, writes `results.json`, and renders
 /// it. Returns what is in `results.json`.
-///
-/// # Errors
-///
-/// If a file cannot be read or written, or a view does not hold together.
 pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Results> {
     results.form = form;
     for record in &mut results.experiments {

@@ -10,11 +10,6 @@ use crate::{markdown, page};
 
 /// Writes `report.md`, and `report.html` unless the report is small, into the folder of a report,
 /// from its `results.json` and the pictures and views named there.
-///
-/// # Errors
-///
-/// If a file cannot be read or written, a formula is not TeX, or `results.json`
-/// has numbers only.
 pub fn render(folder: &Path) -> Result<()> {
     let results = Results::read(&folder.join("results.json"))?;
     for record in results.experiments.iter().filter(|r| r.error.is_none()) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use fairing_experiments::experiments;
-use fairing_results::compare::{Difference, differences};
+use fairing_results::compare::differences;
 use fairing_results::results::{Form, Results};
 
 use crate::plan::{Plan, measure, reproduce};
@@ -77,10 +77,6 @@ struct Reproduce {
 
 impl Cli {
     /// Runs the command; `false` if a check failed or an experiment did not run.
-    ///
-    /// # Errors
-    ///
-    /// Any failure of the command.
     pub fn run(self) -> Result<bool> {
         match self.command {
             Command::Reproduce(options) => options.run(),
@@ -180,7 +176,7 @@ impl Reproduce {
 }
 
 /// Prints the differences, and says whether there are none.
-fn agree(differences: &[Difference]) -> bool {
+fn agree(differences: &[String]) -> bool {
     for difference in differences {
         eprintln!("{difference}");
     }

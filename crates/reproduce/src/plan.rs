@@ -66,10 +66,6 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
 }
 
 /// Runs the plan for its numbers and verdicts alone.
-///
-/// # Errors
-///
-/// As [`reproduce`].
 pub fn measure(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
     let bar = Bar::new();
     let measured = runner::run(experiments, &plan.run(), None, &bar)?;

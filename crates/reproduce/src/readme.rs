@@ -26,10 +26,6 @@ fn with_claims(readme: &str, results: &Results) -> Option<String> {
 }
 
 /// Puts the claims into the README.
-///
-/// # Errors
-///
-/// A README that cannot be read or written, or that has no place for the claims.
 pub(crate) fn update(root: &Path, results: &Results) -> Result<()> {
     let path = root.join("README.md");
     let old = fs::read_to_string(&path).context("reading README.md")?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use fairing_results::compare::{Difference, differences};
+use fairing_results::compare::differences;
 use fairing_results::json;
 use fairing_results::results::{Record, Results};
 
@@ -25,10 +25,6 @@ pub fn path(root: &Path, quick: bool) -> PathBuf {
 }
 
 /// Makes the tables and verdicts of a quick run the reference.
-///
-/// # Errors
-///
-/// A file that cannot be written.
 pub fn accept(root: &Path, results: &Results) -> Result<()> {
     let path = path(root, results.provenance.quick);
     let experiments = results.experiments.iter().map(bare).collect();
@@ -39,11 +35,7 @@ pub fn accept(root: &Path, results: &Results) -> Result<()> {
 }
 
 /// Returns the differences from the reference values.
-///
-/// # Errors
-///
-/// Reference values that are missing or cannot be read.
-pub fn check(root: &Path, results: &Results, partial: bool) -> Result<Vec<Difference>> {
+pub fn check(root: &Path, results: &Results, partial: bool) -> Result<Vec<String>> {
     let reference = Results::read(&path(root, results.provenance.quick))?;
     Ok(differences(&reference, results, partial))
 }

@@ -4,10 +4,6 @@ use serde::Serialize;
 use serde_json::Value;
 
 /// The value as text, indented; lists of plain values stay on one line.
-///
-/// # Errors
-///
-/// If the value cannot be written as JSON.
 pub fn readable<T: Serialize>(value: &T) -> serde_json::Result<String> {
     let mut text = String::new();
     write(&serde_json::to_value(value)?, 0, &mut text);

@@ -228,10 +228,6 @@ impl Results {
     }
 
     /// Reads a `results.json`.
-    ///
-    /// # Errors
-    ///
-    /// If the file cannot be read or holds something else.
     pub fn read(path: &Path) -> Result<Self> {
         let text =
             fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;

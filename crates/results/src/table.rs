@@ -31,9 +31,6 @@ pub enum Unit {
     /// Squared mesh units.
     #[serde(rename = "mesh units²")]
     Area,
-    /// Cubed mesh units.
-    #[serde(rename = "mesh units³")]
-    Volume,
     /// Curvatures H, κ: one over mesh units.
     #[serde(rename = "1/mesh units")]
     Curvature,
@@ -58,32 +55,11 @@ pub enum Unit {
     /// Seconds of wall time; never compared between runs.
     #[serde(rename = "s")]
     Seconds,
-    /// Bytes.
-    #[serde(rename = "bytes")]
-    Bytes,
 }
 
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Label => "",
-            Self::One => "1",
-            Self::Count => "count",
-            Self::Relative => "relative",
-            Self::Order => "order",
-            Self::Length => "mesh units",
-            Self::Area => "mesh units²",
-            Self::Volume => "mesh units³",
-            Self::Curvature => "1/mesh units",
-            Self::InverseArea => "1/mesh units²",
-            Self::EdgeLengths => "h",
-            Self::Diagonals => "diagonal",
-            Self::Degrees => "°",
-            Self::Radians => "rad",
-            Self::Percent => "%",
-            Self::Seconds => "s",
-            Self::Bytes => "bytes",
-        })
+        self.serialize(f)
     }
 }
 
@@ -107,7 +83,7 @@ impl Tolerance {
     pub const LOOSE: Self = Self { relative: 1e-2, absolute: 1e-6 };
 
     /// Returns true if the change from `old` to `new` is accepted.
-    pub fn admits(self, old: f64, new: f64) -> bool {
+    pub(crate) fn admits(self, old: f64, new: f64) -> bool {
         old == new || (new - old).abs() <= self.absolute + self.relative * old.abs()
     }
 }
@@ -327,20 +303,12 @@ impl Table {
     }
 
     /// The position of a column.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such column.
     pub fn index(&self, column: &str) -> Result<usize> {
         let found = self.columns.iter().position(|c| c.name == column);
         found.with_context(|| format!("table {} has no column {column}", self.id))
     }
 
     /// The numbers of a column, in row order.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such column or a cell holds no number.
     pub fn column(&self, column: &str) -> Result<Vec<f64>> {
         let c = self.index(column)?;
         let number = |(r, row): (usize, &Vec<Cell>)| {
@@ -351,20 +319,12 @@ impl Table {
     }
 
     /// The numbers of a column, where there are some.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such column.
     pub fn numbers(&self, column: &str) -> Result<Vec<f64>> {
         let c = self.index(column)?;
         Ok(self.rows.iter().filter_map(|row| row[c].number()).collect())
     }
 
     /// The different cells of a column, as text, in the order in which they first occur.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such column.
     pub fn labels(&self, column: &str) -> Result<Vec<String>> {
         let c = self.index(column)?;
         let mut labels: Vec<String> = vec![];
@@ -378,10 +338,6 @@ impl Table {
     }
 
     /// The rows whose cells in the named columns read like this, as a table.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such column or no such row.
     pub fn only(&self, conditions: &[(&str, Cell)]) -> Result<Self> {
         let mut rows = self.rows.clone();
         for (column, value) in conditions {
@@ -440,10 +396,6 @@ pub struct Tables<'a>(pub &'a [Table]);
 
 impl<'a> Tables<'a> {
     /// The table with this id.
-    ///
-    /// # Errors
-    ///
-    /// If there is none.
     pub fn get(&self, id: &str) -> Result<&'a Table> {
         self.0.iter().find(|t| t.id == id).with_context(|| format!("there is no table {id}"))
     }

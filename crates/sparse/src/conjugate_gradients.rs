@@ -298,7 +298,7 @@ fn relative<const B: usize>(r: &[f64; B], b: &[f64; B]) -> Vec<f64> {
 /// A conjugate gradient solver for a symmetric positive definite matrix, preconditioned by its
 /// diagonal.
 ///
-/// [`SolverChoice`](crate::SolverChoice) decides whether a factorisation is faster.
+/// [`Workload`](crate::Workload) decides whether a factorisation is faster.
 ///
 /// # Examples
 ///

@@ -235,12 +235,4 @@ pub enum SparseError {
         /// Rows of the problem.
         rows: usize,
     },
-    /// An interval of eigenvalues that is empty or has ends that are not finite.
-    #[error("the interval from {from:e} to {to:e} is empty or not finite")]
-    Interval {
-        /// Lower end.
-        from: f64,
-        /// Upper end.
-        to: f64,
-    },
 }

@@ -173,7 +173,7 @@ impl GraphLaplacian {
 
     /// `M⁻¹`.
     #[inline]
-    pub fn inverse_mass(&self) -> &[f64] {
+    pub(crate) fn inverse_mass(&self) -> &[f64] {
         &self.inverse
     }
 
@@ -185,7 +185,7 @@ impl GraphLaplacian {
 
     /// Returns true if all weights are one.
     #[inline]
-    pub fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.weights.is_none()
     }
 

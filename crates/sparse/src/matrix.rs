@@ -141,6 +141,15 @@ pub fn principal_submatrix(matrix: &SparseMatrix, keep: &[u32]) -> SparseMatrix 
     for (row, &old) in keep.iter().enumerate() {
         place[old as usize] = row as u32;
     }
+    kept(matrix, keep, |old| Some(place[old as usize]).filter(|place| *place != NONE))
+}
+
+/// The rows and columns `keep`, with the place of each column that is kept.
+pub(crate) fn kept(
+    matrix: &SparseMatrix,
+    keep: &[u32],
+    place: impl Fn(u32) -> Option<u32>,
+) -> SparseMatrix {
     let rows = Rows::new(matrix);
     let mut offsets = Vec::with_capacity(keep.len() + 1);
     offsets.push(0);
@@ -148,8 +157,8 @@ pub fn principal_submatrix(matrix: &SparseMatrix, keep: &[u32]) -> SparseMatrix 
     for &old in keep {
         let (row_columns, row_values) = rows.row(old as usize);
         for (&j, &value) in row_columns.iter().zip(row_values) {
-            if place[j as usize] != NONE {
-                columns.push(place[j as usize]);
+            if let Some(place) = place(j) {
+                columns.push(place);
                 values.push(value);
             }
         }

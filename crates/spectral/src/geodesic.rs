@@ -95,7 +95,8 @@ impl HeatGeodesics {
         let (corners, flat) = match (laplacian.kind(), laplacian.intrinsic()) {
             (_, Some(Intrinsic { faces, .. })) => {
                 let sides = faces.lengths.as_chunks::<3>().0.iter();
-                let flat = sides.map(|&sides| FlatFace::new(sides, faces.fraction)).collect();
+                // They cover the surface twice.
+                let flat = sides.map(|&sides| FlatFace::new(sides, 0.5)).collect();
                 (faces.corners.clone(), flat)
             }
             (LaplacianKind::Cotangent, None) => {

@@ -37,7 +37,7 @@ pub use compute::{SpectrumOptions, graph_spectrum, spectrum};
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
 pub use fairing_operators::MassMatrix;
-pub use fairing_sparse::{Beyond, Count, EigenOptions};
+pub use fairing_sparse::{Beyond, EigenOptions};
 pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};
 pub use geodesic::HeatGeodesics;
 pub use path::{GeodesicPath, geodesic_path, isoline};

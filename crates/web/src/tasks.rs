@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use fairing_evaluation::NoiseKind;
-use fairing_operators::{LaplacianKind, MassKind};
-use fairing_parameters::{Algorithm, Options, Range, Value, Values, choices, options};
+use fairing_operators::LaplacianKind;
+use fairing_parameters::{Algorithm, Choice, Options, Range, Value, Values, choices, options};
 
 use crate::request::Request;
 
@@ -14,7 +14,7 @@ options! {
         /// The number of modes.
         pub k: usize = 50, in Range::from(1.0..=2000.0);
         /// The Laplacian.
-        pub operator: ModeOperator = ModeOperator::Auto;
+        pub operator: LaplacianKind = LaplacianKind::Auto, among &OPERATORS;
         /// The condition at the boundary.
         pub boundary: BoundaryCondition = BoundaryCondition::Neumann;
     }
@@ -23,37 +23,12 @@ options! {
         without ["boundary"], with Self::DEFAULT, if |_| false;
 }
 
-/// The Laplacian of a spectrum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ModeOperator {
-    /// [`LaplacianKind::Auto`].
-    Auto,
-    /// [`LaplacianKind::Cotangent`].
-    Cotangent,
-    /// [`LaplacianKind::Robust`].
-    Robust,
-    /// [`LaplacianKind::Uniform`] with [`MassKind::Degree`], the random walk.
-    Uniform,
-}
-
-choices!(ModeOperator, "Laplacian",
-    Auto: "auto", "cotangents, or robust if a face is too thin for cotangents";
-    Cotangent: "cotangent", "cotangents of the faces";
-    Robust: "robust", "cotangents of the intrinsic Delaunay triangulation, for any mesh";
-    Uniform: "uniform", "the graph of the edges, whatever the positions";
-);
-
-impl ModeOperator {
-    /// The stiffness and the mass.
-    pub(crate) fn kinds(self) -> (LaplacianKind, MassKind) {
-        match self {
-            Self::Auto => (LaplacianKind::Auto, MassKind::Barycentric),
-            Self::Cotangent => (LaplacianKind::Cotangent, MassKind::Barycentric),
-            Self::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
-            Self::Uniform => (LaplacianKind::Uniform, MassKind::Degree),
-        }
-    }
-}
+/// The Laplacians of a spectrum: those of cotangents, and the uniform one.
+const OPERATORS: [Choice; 4] = {
+    let [auto, cotangent, robust] = LaplacianKind::CHOICES;
+    let uniform = Choice::new("uniform", "The graph of the edges, whatever the positions");
+    [auto, cotangent, robust, uniform]
+};
 
 /// The condition at the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, VertexStatus};
-use fairing_operators::{Laplacian, MassKind};
+use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::Options as _;
 use fairing_spectral::{self as spectral, HeatGeodesics, Spectrum, SpectrumOptions};
 use fairing_watch as watch;
@@ -141,8 +141,11 @@ pub(crate) fn modes(held: &mut Held, options: &SpectrumTask) -> Result<Arc<Spect
         return Ok(if enough { modes.clone() } else { Arc::new(modes.truncated(options.k)?) });
     }
     let mesh: Arc<TriMesh> = held.surface()?;
-    let (stiffness, mass) = options.operator.kinds();
-    let laplacian = Laplacian::new(&mesh, stiffness, mass)?;
+    let mass = match options.operator {
+        LaplacianKind::Uniform => MassKind::Degree,
+        _ => MassKind::Barycentric,
+    };
+    let laplacian = Laplacian::new(&mesh, options.operator, mass)?;
     let conditions = match options.boundary {
         BoundaryCondition::Neumann => SpectrumOptions::default(),
         BoundaryCondition::Dirichlet => SpectrumOptions::dirichlet(&mesh),

@@ -15,7 +15,7 @@ use fairing_operators::curvature::{
     face_tensor_curvature, gaussian_curvature, mean_curvature, scaled_umbrella_mean_curvature,
     umbrella_mean_curvature,
 };
-use fairing_operators::intrinsic::{Cover, RobustOptions, robust_laplacian};
+use fairing_operators::intrinsic::robust_laplacian;
 use fairing_operators::{
     LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, weighted_vertex_normals,
 };
@@ -160,7 +160,7 @@ fn operators_scale_to_the_last_bit() {
     let mesh = noisy(&shapes::icosphere(2), 0.1, 3);
     let stiffness = cotan_stiffness(&mesh).unwrap();
     let slopes = gradient(&mesh).unwrap();
-    let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
+    let robust = robust_laplacian(&mesh).unwrap();
     let level = noise_level(&mesh).unwrap();
     for exponent in EXPONENTS {
         let (unit, there) = (power(exponent), scaled(&mesh, power(exponent)));
@@ -171,7 +171,7 @@ fn operators_scale_to_the_last_bit() {
             let back = all_scaled(&all_scaled(&mass, 1.0 / unit), 1.0 / unit);
             assert_eq!(back, lumped_mass(&mesh, area).unwrap(), "2^{exponent}");
         }
-        let found = robust_laplacian(&there, RobustOptions::default()).unwrap();
+        let found = robust_laplacian(&there).unwrap();
         assert_eq!(found.stiffness, robust.stiffness, "2^{exponent}");
         assert_eq!(all_scaled(&all_scaled(&found.mass, 1.0 / unit), 1.0 / unit), robust.mass);
         let found = noise_level(&there).unwrap();
@@ -237,20 +237,17 @@ fn parts_of_a_mesh_do_not_change_each_other() {
     let point = TriMesh::new(vec![[7.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
     let small = scaled(&shapes::jittered(&shapes::icosphere(1), 0.3, 1, shapes::onto_sphere), 1e-6);
     let parts = [shapes::icosphere(2), bad_face([9.0, 0.0, 0.0], 4.0), small, point];
-    for cover in [Cover::Tufted, Cover::Single] {
-        let options = RobustOptions { cover, ..Default::default() };
-        let whole = robust_laplacian(&union(&parts), options).unwrap();
-        assert!(whole.mass.iter().all(|&m| m > 0.0));
-        let mut first = 0;
-        for part in &parts[..3] {
-            let alone = robust_laplacian(part, options).unwrap();
-            for (v, row) in alone.stiffness.outer_iterator().enumerate() {
-                let found = whole.stiffness.outer_view(first + v).unwrap();
-                assert_eq!(found.data(), row.data(), "{cover:?} {v} of {first}");
-                assert_eq!(whole.mass[first + v], alone.mass[v]);
-            }
-            first += part.vertex_count();
+    let whole = robust_laplacian(&union(&parts)).unwrap();
+    assert!(whole.mass.iter().all(|&m| m > 0.0));
+    let mut first = 0;
+    for part in &parts[..3] {
+        let alone = robust_laplacian(part).unwrap();
+        for (v, row) in alone.stiffness.outer_iterator().enumerate() {
+            let found = whole.stiffness.outer_view(first + v).unwrap();
+            assert_eq!(found.data(), row.data(), "{v} of {first}");
+            assert_eq!(whole.mass[first + v], alone.mass[v]);
         }
+        first += part.vertex_count();
     }
 }
 
@@ -291,9 +288,7 @@ fn a_flat_face_changes_its_neighbourhood_only() {
     faces[0] = [a, middle, c];
     faces.extend([[middle, b, c], [a, b, middle]]);
     let mesh = TriMesh::new(positions, faces).unwrap();
-    let options = RobustOptions { delaunay: false, ..Default::default() };
-    let (with, without) =
-        (robust_laplacian(&mesh, options).unwrap(), robust_laplacian(&sphere, options).unwrap());
+    let (with, without) = (robust_laplacian(&mesh).unwrap(), robust_laplacian(&sphere).unwrap());
     // The face itself and those at its three sides, on both sides of the cover.
     assert!(with.mollified <= 8 && with.added_length > 0.0, "{}", with.mollified);
     let near = |v: u32| {
@@ -434,7 +429,7 @@ fn operators_on_soups_are_sound_at_any_size() {
             mapped(&soup, |[x, y, z]| [x + 1e6, y - 2e5, z + 3e6]),
         ];
         for (i, mesh) in placed.iter().enumerate() {
-            let robust = robust_laplacian(mesh, RobustOptions::default()).unwrap();
+            let robust = robust_laplacian(mesh).unwrap();
             let largest = robust.stiffness.data().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             assert!(largest.is_finite(), "{seed} {i}");
             for (v, row) in robust.stiffness.outer_iterator().enumerate() {

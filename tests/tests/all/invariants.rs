@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{Estimator, angle_defect, gaussian_curvature};
-use fairing_operators::intrinsic::{RobustOptions, robust_laplacian};
+use fairing_operators::intrinsic::robust_laplacian;
 use fairing_operators::{
     LumpedArea, SparseMatrix, combinatorial_laplacian, consistent_mass, cotan_stiffness,
     divergence, gradient, lumped_mass, random_walk_laplacian, vertex_normals,
@@ -230,7 +230,7 @@ proptest! {
     /// The intrinsic operators keep the properties of the plain ones and add a sign condition.
     #[test]
     fn robust_operators_are_sound(mesh in meshes()) {
-        let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
+        let robust = robust_laplacian(&mesh).unwrap();
         let area: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
         prop_assert!((robust.mass.iter().sum::<f64>() - area).abs() < 1e-10 * area);
         prop_assert!(largest_row_sum(&robust.stiffness) < 1e-10);

@@ -18,7 +18,6 @@ use fairing::figure::{
 use fairing::mesh::Diagnosis;
 use fairing::mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
 use fairing::operators::curvature::{Estimator, umbrella_mean_curvature};
-use fairing::operators::intrinsic::RobustOptions;
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing::smoothing::{
     Boundary, Constraints, Diffusion, Implicit, LowPass, Method, Time, Transfer, Volume, Window,
@@ -55,7 +54,6 @@ fn options_may_be_left_out_and_are_checked_by_name() {
     check_options::<WriteOptions>();
     check_options::<EigenOptions>();
     check_options::<CgOptions>();
-    check_options::<RobustOptions>();
     check_options::<SpectrumOptions>();
     check_options::<Constraints>();
     check_options::<BilateralOptions>();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fairing_mesh::{TriMesh, io};
 use fairing_operators::curvature::{Estimator, angle_defect, gaussian_curvature};
-use fairing_operators::intrinsic::{RobustOptions, robust_laplacian};
+use fairing_operators::intrinsic::robust_laplacian;
 use fairing_operators::{
     LumpedArea, OperatorError, cotan_stiffness, lumped_mass, polygon_laplacian,
 };
@@ -98,7 +98,7 @@ fn estimators(folder: &Path) -> Result<(), Failed> {
 
 fn robust(folder: &Path) -> Result<(), Failed> {
     each(folder, |mesh| {
-        let robust = match robust_laplacian(mesh, RobustOptions::default()) {
+        let robust = match robust_laplacian(mesh) {
             Ok(robust) => robust,
             Err(OperatorError::NoLength) if mesh.diagonal() == 0.0 => return Ok(()),
             Err(error) => return Err(error.to_string()),

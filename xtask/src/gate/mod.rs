@@ -112,10 +112,6 @@ impl Log {
 
 /// Runs all steps, even after a failure; returns `true` if none failed. Prints the time of each
 /// step, the slowest tests, and the skipped tests with the reason.
-///
-/// # Errors
-///
-/// Cargo that cannot be run, or a tree that cannot be read.
 pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut log = Log::default();
     log.step("tidy", || tidy::run(root))?;

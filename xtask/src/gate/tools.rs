@@ -14,10 +14,6 @@ pub(super) struct Check {
 }
 
 /// All checks.
-///
-/// # Errors
-///
-/// A manifest that cannot be read.
 pub(super) fn checks(root: &Path) -> Result<Vec<Check>> {
     let oldest = oldest_compiler(root)?;
     let cargo_plugin = |name: &str, arguments: &[&str]| {

@@ -36,10 +36,6 @@ const STEPS: [Step; 9] = [
 ];
 
 /// Runs all steps, even after a failure; returns `true` if none failed.
-///
-/// # Errors
-///
-/// Cargo that cannot be run.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let packages = packages::read(root)?;
     let mut failed = vec![];

@@ -47,10 +47,6 @@ const RULES: [(&str, Check); 20] = [
 ];
 
 /// Checks the tree and prints violations; returns true if there are none.
-///
-/// # Errors
-///
-/// If the tree cannot be read.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let mut holds = true;
     for (rule, check) in RULES {

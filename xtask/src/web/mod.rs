@@ -38,10 +38,6 @@ const TESTS: [(&str, &[&str]); 2] =
     [("module", &[]), ("browser", &["laboratory::", "--skip", "fifty_meshes"])];
 
 /// Builds what is asked for; returns `true` if the tests of the module and of the laboratory pass.
-///
-/// # Errors
-///
-/// A toolchain that is missing, cargo that fails, or files that cannot be written.
 pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
     let folder = root.join(FOLDER);
     fs::create_dir_all(&folder)?;

@@ -14,18 +14,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like: |bytes| bytes.starts_with(b"dummy"),
     parse,
     encode,
-    holds: Holds {
-        faces: true,
-        exact: true,
-        polygons: false,
-        colors: false,
-        normals: false,
-        fields: false,
-        face_fields: false,
-        texture: false,
-        binary: false,
-        float_widths: false,
-    },
+    holds: Holds { faces: true, exact: true, ..Holds::NOTHING },
 };
 
 const _: () = assert!(matches!(Format::ALL, [.., Format::Dummy]));

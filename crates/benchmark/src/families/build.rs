@@ -18,22 +18,12 @@ pub enum Triangulation {
     Graded,
 }
 
-impl Triangulation {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Regular, Self::Irregular, Self::Anisotropic, Self::Graded];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regular => "regular",
-            Self::Irregular => "irregular",
-            Self::Anisotropic => "anisotropic",
-            Self::Graded => "graded",
-        }
-    }
-}
-
-fairing_parameters::named!(Triangulation, "triangulation");
+fairing_parameters::named!(Triangulation, "triangulation",
+    Regular: "regular",
+    Irregular: "irregular",
+    Anisotropic: "anisotropic",
+    Graded: "graded",
+);
 
 /// The length of edges, relative to the mean, at a point of a model about two
 /// across: from 0.56 to 1.78.

@@ -58,28 +58,35 @@ pub enum Kind {
     Thin,
 }
 
-impl Kind {
-    /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Planar, Self::Curved, Self::Smooth, Self::Detailed, Self::Thin];
+fairing_parameters::named!(Kind, "kind of surface",
+    Planar: "planar",
+    Curved: "curved",
+    Smooth: "smooth",
+    Detailed: "detailed",
+    Thin: "thin",
+);
 
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Planar => "planar",
-            Self::Curved => "curved",
-            Self::Smooth => "smooth",
-            Self::Detailed => "detailed",
-            Self::Thin => "thin",
-        }
-    }
+/// A set of families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Set {
+    /// Families on which weights and constants are chosen.
+    Development,
+    /// Families that are only reported.
+    Unseen,
+    /// Families on which no result was known when the weights of the networks were trained and the
+    /// constants chosen.
+    Fresh,
 }
 
-fairing_parameters::named!(Kind, "kind of surface");
+fairing_parameters::named!(Set, "set of families",
+    Development: "development",
+    Unseen: "unseen",
+    Fresh: "fresh",
+);
 
-/// The families, with their kind, name and generator.
+/// The families, with their set, kind, name and generator. Each set has families of every kind.
 macro_rules! families {
-    ($($(#[$doc:meta])* $family:ident $kind:ident $name:literal $make:path,)*) => {
+    ($($(#[$doc:meta])* $family:ident $set:ident $kind:ident $name:literal $make:path,)*) => {
         /// A family of models, about two across.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Family {
@@ -105,6 +112,13 @@ macro_rules! families {
                 }
             }
 
+            /// The set that it is in.
+            pub fn set(self) -> Set {
+                match self {
+                    $(Self::$family => Set::$set,)*
+                }
+            }
+
             fn make(self, build: Build) -> TriMesh {
                 match self {
                     $(Self::$family => $make(build),)*
@@ -116,73 +130,73 @@ macro_rules! families {
 
 families! {
     /// A staircase with a slanted side.
-    Stairs Planar "stairs" planar::stairs,
+    Stairs Development Planar "stairs" planar::stairs,
     /// A frame: chamfered corners, a turned window, a slanted top.
-    Frame Planar "frame" planar::frame,
+    Frame Development Planar "frame" planar::frame,
     /// The common part of half spaces at random.
-    Crystal Planar "crystal" planar::crystal,
+    Crystal Unseen Planar "crystal" planar::crystal,
     /// A dodecahedron with a pyramid on each face.
-    Star Planar "star" planar::star,
+    Star Unseen Planar "star" planar::star,
     /// A prism of many sides under a flat roof: creases of 15° to 30°.
-    Prism Planar "prism" planar::prism,
+    Prism Development Planar "prism" planar::prism,
     /// A gear wheel.
-    Gear Curved "gear" curved::gear,
+    Gear Development Curved "gear" curved::gear,
     /// A turned part: cylinders, a cone, a fillet, a rounded end.
-    Turned Curved "turned" curved::turned,
+    Turned Development Curved "turned" curved::turned,
     /// A plate with a cone, a frustum, a dome and a countersink.
-    Bosses Curved "bosses" curved::bosses,
+    Bosses Development Curved "bosses" curved::bosses,
     /// A bracket with fillets of many radii, and a hole.
-    Bracket Curved "bracket" curved::bracket,
+    Bracket Unseen Curved "bracket" curved::bracket,
     /// A sphere with grooves.
-    Grooves Curved "grooves" curved::grooves,
+    Grooves Unseen Curved "grooves" curved::grooves,
     /// Two cylinders that meet at right angles.
-    Joint Curved "joint" curved::joint,
+    Joint Unseen Curved "joint" curved::joint,
     /// A column of arcs that meet in creases of 15° to 30°.
-    Lobes Curved "lobes" curved::lobes,
+    Lobes Unseen Curved "lobes" curved::lobes,
     /// Balls that run into each other.
-    Blob Smooth "blob" smooth::blob,
+    Blob Development Smooth "blob" smooth::blob,
     /// A part of a triply periodic surface.
-    Periodic Smooth "periodic" smooth::periodic,
+    Periodic Development Smooth "periodic" smooth::periodic,
     /// A tube around a trefoil knot.
-    Knot Smooth "knot" smooth::knot,
+    Knot Unseen Smooth "knot" smooth::knot,
     /// Minimal surfaces: a patch of Enneper's or of Scherk's.
-    Minimal Smooth "minimal" smooth::minimal,
+    Minimal Unseen Smooth "minimal" smooth::minimal,
     /// A sphere with waves of several lengths.
-    Relief Detailed "relief" detailed::relief,
+    Relief Development Detailed "relief" detailed::relief,
     /// A woven ring.
-    Weave Detailed "weave" detailed::weave,
+    Weave Development Detailed "weave" detailed::weave,
     /// A plate with strokes as those of letters.
-    Strokes Detailed "strokes" detailed::strokes,
+    Strokes Unseen Detailed "strokes" detailed::strokes,
     /// A ball with pores.
-    Pores Detailed "pores" detailed::pores,
+    Pores Unseen Detailed "pores" detailed::pores,
     /// A bent sheet less than two edges thick.
-    Sheet Thin "sheet" sheets::sheet,
+    Sheet Development Thin "sheet" sheets::sheet,
     /// A piece of cloth with a hole.
-    Cloth Thin "cloth" sheets::cloth,
+    Cloth Development Thin "cloth" sheets::cloth,
     /// A bent profile of sheet metal.
-    Channel Thin "channel" sheets::channel,
+    Channel Unseen Thin "channel" sheets::channel,
     /// An open shell with a jagged border.
-    Shell Thin "shell" sheets::shell,
+    Shell Unseen Thin "shell" sheets::shell,
     /// A house: roofs of slopes of 12° and more that meet in valleys, and a chimney.
-    House Planar "house" fresh_creased::house,
+    House Fresh Planar "house" fresh_creased::house,
     /// A tower of turned storeys, whose triangles fold inwards and outwards.
-    Tower Planar "tower" fresh_creased::tower,
+    Tower Fresh Planar "tower" fresh_creased::tower,
     /// A bolt: a hexagonal head that a cone chamfers, a shank with a fillet and a groove.
-    Bolt Curved "bolt" fresh_creased::bolt,
+    Bolt Fresh Curved "bolt" fresh_creased::bolt,
     /// A cube with spherical sides, one of them hollow.
-    Cushion Curved "cushion" fresh_creased::cushion,
+    Cushion Fresh Curved "cushion" fresh_creased::cushion,
     /// A vase with lobes that wind around it.
-    Vase Smooth "vase" fresh_smooth::vase,
+    Vase Fresh Smooth "vase" fresh_smooth::vase,
     /// A plate with two or three holes, round everywhere.
-    Pretzel Smooth "pretzel" fresh_smooth::pretzel,
+    Pretzel Fresh Smooth "pretzel" fresh_smooth::pretzel,
     /// A fluted column with mouldings.
-    Fluted Detailed "fluted" fresh_smooth::fluted,
+    Fluted Fresh Detailed "fluted" fresh_smooth::fluted,
     /// A tyre with a tread.
-    Tyre Detailed "tyre" fresh_smooth::tyre,
+    Tyre Fresh Detailed "tyre" fresh_smooth::tyre,
     /// A flat ring with a ruffled border.
-    Ruffle Thin "ruffle" fresh_smooth::ruffle,
+    Ruffle Fresh Thin "ruffle" fresh_smooth::ruffle,
     /// A bowl about an edge thick.
-    Bowl Thin "bowl" fresh_smooth::bowl,
+    Bowl Fresh Thin "bowl" fresh_smooth::bowl,
 }
 
 fairing_parameters::named!(Family, "family");

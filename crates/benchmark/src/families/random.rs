@@ -37,33 +37,18 @@ pub enum RandomModel {
     Labyrinth,
 }
 
+fairing_parameters::named!(RandomModel, "kind of random model",
+    Facets: "facets",
+    Swell: "swell",
+    Gem: "gem",
+    Terraces: "terraces",
+    Tube: "tube",
+    Sponge: "sponge",
+    Blend: "blend",
+    Labyrinth: "labyrinth",
+);
+
 impl RandomModel {
-    /// All kinds.
-    pub const ALL: [Self; 8] = [
-        Self::Facets,
-        Self::Swell,
-        Self::Gem,
-        Self::Terraces,
-        Self::Tube,
-        Self::Sponge,
-        Self::Blend,
-        Self::Labyrinth,
-    ];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Facets => "facets",
-            Self::Swell => "swell",
-            Self::Gem => "gem",
-            Self::Terraces => "terraces",
-            Self::Tube => "tube",
-            Self::Sponge => "sponge",
-            Self::Blend => "blend",
-            Self::Labyrinth => "labyrinth",
-        }
-    }
-
     /// A model with about this many faces, oriented outwards or upwards.
     ///
     /// # Panics
@@ -83,8 +68,6 @@ impl RandomModel {
         sized(make, faces, triangulation, seed)
     }
 }
-
-fairing_parameters::named!(RandomModel, "kind of random model");
 
 fn facets(build: Build) -> TriMesh {
     let mut random = build.proportions();

@@ -20,10 +20,6 @@ const RELIEF: f64 = 1.0 / 3.0;
 /// edges wide. No shear folds space over. The faces stay, so that creases are lines of edges as
 /// before; planes become curved, curved faces flatter or rounder, and each model gets details
 /// that its family does not have. A mesh whose edges have no length is only stretched.
-///
-/// # Errors
-///
-/// [`BuildError`] if coordinates overflow.
 pub fn warped(mesh: &TriMesh, seed: u64) -> Result<TriMesh, BuildError> {
     let mut random = Proportions(ChaCha8Rng::seed_from_u64(seed));
     let axes = random.axes();

@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use fairing_mesh::io;
-use fairing_operators::{SparseMatrix, cotan_stiffness};
+use fairing_operators::cotan_stiffness;
 use fairing_sparse::multiply_points_into;
 use rayon::prelude::*;
 
-use super::stopwatch::Stopwatch;
-use super::task::{Fingerprint, Job, Task, Work, fingerprint};
+use super::task::{Job, Work, fingerprint, work};
 
 /// Numbers of an array of the triad: 64 MB, far more than caches hold.
 const NUMBERS: usize = 1 << 23;
@@ -17,64 +16,34 @@ const PIECE: usize = 1 << 16;
 const REPETITIONS: usize = 10;
 
 /// Y = S X with three columns, and the triad a = b + s c in the same run.
-pub(super) struct Bandwidth;
-
-impl Task for Bandwidth {
-    fn name(&self) -> &'static str {
-        "bandwidth"
-    }
-
-    fn about(&self) -> &'static str {
-        "S times three columns, and the triad a = b + s c of STREAM"
-    }
-
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        let mesh = io::read(&job.input)?.mesh;
-        let stiffness = cotan_stiffness(&mesh)?;
-        let x = mesh.positions().to_vec();
-        let y = vec![[0.0; 3]; x.len()];
-        let arrays = [1.0, 2.0, 3.0].map(|value| vec![value; NUMBERS]);
-        Ok(Box::new(Moving { stiffness, x, y, arrays, seconds: [f64::INFINITY; 2] }))
-    }
-}
-
-struct Moving {
-    stiffness: SparseMatrix,
-    x: Vec<[f64; 3]>,
-    y: Vec<[f64; 3]>,
-    arrays: [Vec<f64>; 3],
-    /// Least seconds of the triad and of the product.
-    seconds: [f64; 2],
-}
-
-impl Work for Moving {
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+///
+/// Rates are in GB/s: three arrays of the triad; values, columns and row starts of S and each
+/// position once in and once out.
+pub(super) fn bandwidth(job: &Job) -> Result<Work> {
+    let mesh = io::read(&job.input)?.mesh;
+    let stiffness = cotan_stiffness(&mesh)?;
+    let mut y = vec![[0.0; 3]; mesh.vertex_count()];
+    let [mut a, b, c] = [1.0, 2.0, 3.0].map(|value| vec![value; NUMBERS]);
+    // The least of all repetitions, of the triad and of the product.
+    let mut seconds = [f64::INFINITY; 2];
+    work(move |watch| {
         for _ in 0..REPETITIONS {
-            let [a, b, c] = &mut self.arrays;
-            let took = watch.phase("triad", || timed(|| triad(a, b, c)));
-            self.seconds[0] = self.seconds[0].min(took);
-            let (matrix, x, y) = (&self.stiffness, &self.x, &mut self.y);
-            let took = watch.phase("product", || timed(|| multiply_points_into(matrix, x, y)));
-            self.seconds[1] = self.seconds[1].min(took);
+            let took = watch.phase("triad", || timed(|| triad(&mut a, &b, &c)));
+            seconds[0] = seconds[0].min(took);
+            let product = || multiply_points_into(&stiffness, mesh.positions(), &mut y);
+            let took = watch.phase("product", || timed(product));
+            seconds[1] = seconds[1].min(took);
         }
-        Ok(())
-    }
-
-    /// Rates in GB/s: three arrays of the triad; values, columns and row starts of S and each
-    /// position once in and once out.
-    fn fingerprint(&mut self) -> Result<Fingerprint> {
         let number = size_of::<f64>();
-        let rows = self.x.len() * (size_of::<u32>() + 6 * number);
-        let entries = self.stiffness.nnz() * (size_of::<u32>() + number);
+        let rows = y.len() * (size_of::<u32>() + 6 * number);
+        let entries = stiffness.nnz() * (size_of::<u32>() + number);
         let gigabytes = [3 * number * NUMBERS, rows + entries].map(|bytes| bytes as f64 / 1e9);
-        let [triad, product] = [0, 1].map(|k| gigabytes[k] / self.seconds[k]);
-        Ok(fingerprint! {
-            triad: triad,
-            product: product,
-            share: product / triad,
-            sum: self.y.iter().flatten().sum::<f64>() + self.arrays[0][0],
+        let [triad, product] = [0, 1].map(|k| gigabytes[k] / seconds[k]);
+        let sum = y.iter().flatten().sum::<f64>() + a[0];
+        Ok(move || {
+            Ok(fingerprint! { triad: triad, product: product, share: product / triad, sum: sum })
         })
-    }
+    })
 }
 
 /// a ← b + s c.

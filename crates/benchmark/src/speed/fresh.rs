@@ -32,10 +32,6 @@ impl Fresh {
     }
 
     /// Runs the task once in a new process.
-    ///
-    /// # Errors
-    ///
-    /// A process that fails, or that prints something else than times.
     pub(super) fn run(&self) -> Result<Times> {
         let result = self.result()?;
         let runs = result["runs"].as_array().context("the process printed no times")?;
@@ -46,10 +42,6 @@ impl Fresh {
     }
 
     /// All that a new process prints about one run.
-    ///
-    /// # Errors
-    ///
-    /// A process that fails, or that prints something else.
     pub(super) fn result(&self) -> Result<Value> {
         let mut command = Command::new(std::env::current_exe()?);
         let output = command.args(&self.arguments).stderr(Stdio::inherit()).output()?;

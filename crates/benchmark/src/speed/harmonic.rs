@@ -1,6 +1,6 @@
 //! Systems of k-harmonic smoothing, as in Jacobson's `sparse-solver-benchmark`.
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use fairing_mesh::{TriMesh, io};
 use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
 use fairing_sparse::{
@@ -9,11 +9,7 @@ use fairing_sparse::{
 };
 
 use super::stopwatch::Stopwatch;
-use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
-
-/// `(Wᵏ + M) u = M x` with Wᵏ = S (M⁻¹S)ᵏ⁻¹, mixed areas in M, and the positions x in three
-/// columns: assembly, factorisation, a solution, and its refinement.
-pub(super) struct Harmonic;
+use super::task::{Job, Work, fingerprint, forgetful, work};
 
 /// The largest order: matrices of the fourth have 60 entries in a row.
 const MAX_ORDER: usize = 3;
@@ -21,30 +17,27 @@ const MAX_ORDER: usize = 3;
 /// Corrections of the solution.
 const CORRECTIONS: usize = 3;
 
-impl Task for Harmonic {
-    fn name(&self) -> &'static str {
-        "harmonic"
-    }
-
-    fn about(&self) -> &'static str {
-        "(Wᵏ + M) u = M x, of order --k 1, 2 or 3: factorise, solve, refine"
-    }
-
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        ensure!(
-            (1..=MAX_ORDER).contains(&job.k),
-            "the order, --k {}, is not between 1 and {MAX_ORDER}",
-            job.k
-        );
-        let mesh = io::read(&job.input)?.mesh;
-        Ok(Box::new(Solving { mesh, order: job.k as u32, result: None }))
-    }
-}
-
-struct Solving {
-    mesh: TriMesh,
-    order: u32,
-    result: Option<Solved>,
+/// `(Wᵏ + M) u = M x` with Wᵏ = S (M⁻¹S)ᵏ⁻¹, mixed areas in M, and the positions x in three
+/// columns: assembly, factorisation, a solution, and its refinement.
+pub(super) fn harmonic(job: &Job) -> Result<Work> {
+    ensure!(
+        (1..=MAX_ORDER).contains(&job.k),
+        "the order, --k {}, is not between 1 and {MAX_ORDER}",
+        job.k
+    );
+    let (mesh, order) = (io::read(&job.input)?.mesh, job.k as u32);
+    work(move |watch| {
+        let solved = solve(&mesh, order, watch)?;
+        Ok(move || {
+            Ok(fingerprint! {
+                entries: solved.entries,
+                sum_squares: solved.sum_squares,
+                residual: solved.first,
+                residual_refined: solved.refined,
+                change_by_refinement: solved.change,
+            })
+        })
+    })
 }
 
 struct Solved {
@@ -58,46 +51,30 @@ struct Solved {
     sum_squares: f64,
 }
 
-impl Work for Solving {
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
-        self.result = None;
-        let mesh = forgetful(&self.mesh, watch)?;
-        let (s, m, matrix) = watch.phase("assemble", || {
-            let s = cotan_stiffness(&mesh)?;
-            let m = lumped_mass(&mesh, LumpedArea::Mixed)?;
-            let matrix = system(&LaplacianPower::new(&s, &m, self.order), &m);
-            anyhow::Ok((s, m, matrix))
-        })?;
-        let right = weighted(&m, mesh.positions());
-        let analyse = || SymbolicCholesky::new(&matrix, Ordering::default());
-        let symbolic = watch.phase("factor", analyse)?;
-        let factor = watch.phase("factor", || symbolic.factorize(&matrix))?;
-        let first = watch.phase("solve", || factor.solve_points(&right));
-        let power = LaplacianPower::new(&s, &m, self.order);
-        let start = difference(&right, &multiply_points(&matrix, &first));
-        let refined =
-            watch.phase("refine", || refine(&factor, &power, &m, mesh.positions(), &first));
-        let change = largest(&difference(&refined.high, &first)) / extent(&mesh);
-        self.result = Some(Solved {
-            entries: symbolic.factor_entries(),
-            first: largest(&start),
-            refined: refined.residual,
-            change,
-            sum_squares: refined.high.as_flattened().iter().map(|x| x * x).sum(),
-        });
-        Ok(())
-    }
-
-    fn fingerprint(&mut self) -> Result<Fingerprint> {
-        let result = self.result.as_ref().context("nothing was solved")?;
-        Ok(fingerprint! {
-            entries: result.entries,
-            sum_squares: result.sum_squares,
-            residual: result.first,
-            residual_refined: result.refined,
-            change_by_refinement: result.change,
-        })
-    }
+fn solve(mesh: &TriMesh, order: u32, watch: &mut Stopwatch) -> Result<Solved> {
+    let mesh = forgetful(mesh, watch)?;
+    let (s, m, matrix) = watch.phase("assemble", || {
+        let s = cotan_stiffness(&mesh)?;
+        let m = lumped_mass(&mesh, LumpedArea::Mixed)?;
+        let matrix = system(&LaplacianPower::new(&s, &m, order), &m);
+        anyhow::Ok((s, m, matrix))
+    })?;
+    let right = weighted(&m, mesh.positions());
+    let analyse = || SymbolicCholesky::new(&matrix, Ordering::default());
+    let symbolic = watch.phase("factor", analyse)?;
+    let factor = watch.phase("factor", || symbolic.factorize(&matrix))?;
+    let first = watch.phase("solve", || factor.solve_points(&right));
+    let power = LaplacianPower::new(&s, &m, order);
+    let start = difference(&right, &multiply_points(&matrix, &first));
+    let refined = watch.phase("refine", || refine(&factor, &power, &m, mesh.positions(), &first));
+    let change = largest(&difference(&refined.high, &first)) / extent(&mesh);
+    Ok(Solved {
+        entries: symbolic.factor_entries(),
+        first: largest(&start),
+        refined: refined.residual,
+        change,
+        sum_squares: refined.high.as_flattened().iter().map(|x| x * x).sum(),
+    })
 }
 
 /// `Wᵏ + M`, exactly symmetric.
@@ -184,9 +161,7 @@ mod tests {
     fn refinement_lowers_the_residual() {
         let mesh = fairing_shapes::icosphere(5);
         for order in 1..=3 {
-            let mut work = Solving { mesh: mesh.clone(), order, result: None };
-            work.run(&mut Stopwatch::default()).unwrap();
-            let solved = work.result.unwrap();
+            let solved = solve(&mesh, order, &mut Stopwatch::default()).unwrap();
             assert!(solved.refined < 1e-3 * solved.first, "{} {}", solved.refined, solved.first);
             assert!(solved.change < 1e-4);
             // The coordinates of a sphere are eigenvectors with w near 2: u = x / (1 + 2ᵏ).

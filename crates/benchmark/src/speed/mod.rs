@@ -22,51 +22,59 @@ use stopwatch::Stopwatch;
 use task::{Job, Task};
 
 /// The tasks.
-const ALL: &[&dyn Task] = &[
-    &files::Load { name: "load_obj", about: "OBJ file to positions and faces" },
-    &files::Load { name: "load_ply", about: "PLY file to positions and faces" },
-    &files::SavePly,
-    &operators::Laplacian,
-    &operators::Refill,
-    &operators::Curvature,
-    &operators::Principal,
-    &smoothing::Flow {
-        name: "explicit_uniform",
-        about: "x + λLx, uniform weights",
-        method: smoothing::explicit_uniform,
-    },
-    &smoothing::Flow {
-        name: "taubin",
-        about: "pairs of steps λ and μ, uniform weights",
-        method: smoothing::taubin,
-    },
-    &smoothing::Flow {
-        name: "implicit_uniform",
-        about: "(I − λL)x' = x, uniform weights",
-        method: smoothing::implicit_uniform,
-    },
-    &smoothing::Flow {
-        name: "implicit_cotan",
-        about: "(M + λh²S)x' = Mx, operator of the input",
-        method: smoothing::implicit_cotan,
-    },
-    &smoothing::Flow {
-        name: "implicit_cotan_stiff",
-        about: "the same, for large λ",
-        method: smoothing::implicit_cotan,
-    },
-    &smoothing::Flow {
-        name: "implicit_mcf",
-        about: "the same, operator of each step",
-        method: smoothing::implicit_mcf,
-    },
-    &smoothing::EndToEnd,
-    &metrics::Metrics,
-    &spectra::Eigs,
-    &spectra::Factor,
-    &harmonic::Harmonic,
-    &denoise::Denoise,
-    &bandwidth::Bandwidth,
+const ALL: &[Task] = &[
+    Task::new("load_obj", "OBJ file to positions and faces", files::load),
+    Task::new("load_ply", "PLY file to positions and faces", files::load),
+    Task::new("save_ply", "positions and faces to a binary PLY, doubles", files::save_ply),
+    Task::new("laplacian", "cotangent stiffness and lumped barycentric mass", operators::laplacian),
+    Task::new(
+        "laplacian_again",
+        "the same at other positions of the same faces",
+        operators::refill,
+    ),
+    Task::new("curvature", "‖S x‖ / 2M and the angle defect", operators::curvature),
+    Task::new(
+        "principal",
+        "principal curvatures and directions by --estimator",
+        operators::principal,
+    ),
+    Task::new("explicit_uniform", "x + λLx, uniform weights", smoothing::explicit_uniform),
+    Task::new("taubin", "pairs of steps λ and μ, uniform weights", smoothing::taubin),
+    Task::new("implicit_uniform", "(I − λL)x' = x, uniform weights", smoothing::implicit_uniform),
+    Task::new(
+        "implicit_cotan",
+        "(M + λh²S)x' = Mx, operator of the input",
+        smoothing::implicit_cotan,
+    ),
+    Task::new("implicit_cotan_stiff", "the same, for large λ", smoothing::implicit_cotan),
+    Task::new("implicit_mcf", "the same, operator of each step", smoothing::implicit_mcf),
+    Task::new(
+        "end_to_end",
+        "read an OBJ, implicit uniform steps, write a binary PLY",
+        smoothing::end_to_end,
+    ),
+    Task::new(
+        "metrics",
+        "vertex-to-surface distances both ways and normal angles, against --reference",
+        metrics::metrics,
+    ),
+    Task::new("eigs", "k smallest eigenpairs of S u = w M u, certified", spectra::eigs),
+    Task::new(
+        "factor",
+        "Cholesky of M + λh²S: analyse, factorise, solve for the positions",
+        spectra::factor,
+    ),
+    Task::new(
+        "harmonic",
+        "(Wᵏ + M) u = M x, of order --k 1, 2 or 3: factorise, solve, refine",
+        harmonic::harmonic,
+    ),
+    Task::new("denoise", "the denoiser without parameters", denoise::denoise),
+    Task::new(
+        "bandwidth",
+        "S times three columns, and the triad a = b + s c of STREAM",
+        bandwidth::bandwidth,
+    ),
 ];
 
 /// Times the task, or lists the tasks, and prints the result.
@@ -75,7 +83,7 @@ pub(crate) fn run(options: Bench) -> Result<()> {
         println!("{:<22} builds from an empty target folder", "build");
         println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
         for task in ALL {
-            println!("{:<22} {}", task.name(), task.about());
+            println!("{:<22} {}", task.name, task.about);
         }
         return Ok(());
     };
@@ -131,25 +139,28 @@ fn once(task: &str, options: &Bench) -> Result<()> {
 }
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.
-///
-/// # Errors
-///
-/// An unknown task, or a failure of the task.
 fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
-    let task = ALL.iter().find(|t| t.name() == name).with_context(|| {
-        let names: Vec<_> = ALL.iter().map(|t| t.name()).collect();
+    let task = ALL.iter().find(|t| t.name == name).with_context(|| {
+        let names: Vec<_> = ALL.iter().map(|t| t.name).collect();
         format!("there is no task {name}; there are {}", names.join(", "))
     })?;
-    let mut work = task.prepare(job)?;
-    let mut runs = vec![];
-    for _ in 0..repeat.max(1) {
+    let mut work = (task.prepare)(job)?;
+    let mut once = || {
         let mut watch = Stopwatch::default();
-        work.run(&mut watch)?;
-        runs.push(watch.into_json());
+        let done = work(&mut watch)?;
+        anyhow::Ok((watch.into_json(), done))
+    };
+    let (run, mut done) = once()?;
+    let mut runs = vec![run];
+    for _ in 1..repeat {
+        drop(done);
+        let (run, next) = once()?;
+        runs.push(run);
+        done = next;
     }
     // The peak is read before the fingerprint adds to it.
     let rss = stopwatch::peak_megabytes();
-    let mut result = json!({ "runs": runs, "fingerprint": work.fingerprint()? });
+    let mut result = json!({ "runs": runs, "fingerprint": done()? });
     if let Some(megabytes) = rss {
         result["rss_mb"] = json!(megabytes);
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::io;
 use fairing_shapes::icosphere;
 use serde_json::Value;
@@ -89,10 +89,6 @@ impl Row {
 }
 
 /// Measures, and writes the page and its picture below `docs`.
-///
-/// # Errors
-///
-/// A file that cannot be read or written, or a task that fails.
 pub(super) fn write(comparison: Option<&Path>, finest: u32) -> Result<()> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let folder = std::env::temp_dir().join(format!("fairing-speed-{}", std::process::id()));
@@ -249,12 +245,7 @@ fn bandwidth(rates: &[Rate]) -> String {
 
 /// Log–log lines of all tasks.
 fn picture(rows: &[Row]) -> Result<String> {
-    let mut plot = Plot {
-        x: Axis::log("vertices"),
-        y: Axis::log("seconds"),
-        legend: Legend::Right,
-        ..Plot::default()
-    };
+    let mut plot = Plot { x: Axis::log("vertices"), y: Axis::log("seconds"), ..Plot::default() };
     for row in rows {
         let points = row.times.iter().map(|(n, times)| [*n, times.first]).collect();
         plot.series.push(Series::marked(row.words, points));

@@ -1,130 +1,73 @@
 //! Flows, and one from file to file.
 
-use std::path::PathBuf;
-
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
 use glam::DVec3;
 
-use super::stopwatch::Stopwatch;
-use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
-
-/// A flow over the mesh of the job.
-pub(super) struct Flow {
-    pub(super) name: &'static str,
-    pub(super) about: &'static str,
-    pub(super) method: fn(&Job) -> Method,
-}
+use super::task::{Fingerprint, Job, Work, fingerprint, forgetful, work};
 
 /// `x ← x + λLx` with uniform weights.
-pub(super) fn explicit_uniform(job: &Job) -> Method {
-    Method::Explicit(Explicit {
-        iterations: job.iterations,
-        stability: Stability::Warn,
-        ..Explicit::new(Diffusion::uniform(job.lambda))
-    })
+pub(super) fn explicit_uniform(job: &Job) -> Result<Work> {
+    let options = Explicit::new(Diffusion::uniform(job.lambda));
+    let (iterations, stability) = (job.iterations, Stability::Warn);
+    flow(job, Method::Explicit(Explicit { iterations, stability, ..options }))
 }
 
 /// λ and μ in turn, as many pairs as iterations.
-pub(super) fn taubin(job: &Job) -> Method {
-    Method::Taubin(Taubin { pairs: job.iterations, ..Taubin::from_steps(job.lambda, job.mu) })
+pub(super) fn taubin(job: &Job) -> Result<Work> {
+    let options = Taubin { pairs: job.iterations, ..Taubin::from_steps(job.lambda, job.mu) };
+    flow(job, Method::Taubin(options))
 }
 
 /// `(I − λL)x' = x` with uniform weights.
-pub(super) fn implicit_uniform(job: &Job) -> Method {
-    let options = Implicit::new(Diffusion::uniform(job.lambda));
-    Method::Implicit(Implicit { iterations: job.iterations, ..options })
+pub(super) fn implicit_uniform(job: &Job) -> Result<Work> {
+    flow(job, implicit(job, Implicit::new(Diffusion::uniform(job.lambda))))
 }
 
 /// `(M + λh²S)x' = Mx` with the operator of the input.
-pub(super) fn implicit_cotan(job: &Job) -> Method {
-    let options = Implicit::new(Diffusion::cotangent(job.lambda));
-    Method::Implicit(Implicit { iterations: job.iterations, ..options })
+pub(super) fn implicit_cotan(job: &Job) -> Result<Work> {
+    flow(job, implicit(job, Implicit::new(Diffusion::cotangent(job.lambda))))
 }
 
 /// The same with the operator of the current mesh at each step.
-pub(super) fn implicit_mcf(job: &Job) -> Method {
-    let options = Implicit::mean_curvature_flow(job.lambda);
+pub(super) fn implicit_mcf(job: &Job) -> Result<Work> {
+    flow(job, implicit(job, Implicit::mean_curvature_flow(job.lambda)))
+}
+
+fn implicit(job: &Job, options: Implicit) -> Method {
     Method::Implicit(Implicit { iterations: job.iterations, ..options })
 }
 
-impl Task for Flow {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn about(&self) -> &'static str {
-        self.about
-    }
-
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        let mesh = io::read(&job.input)?.mesh;
-        let (method, out) = ((self.method)(job), job.out.clone());
-        Ok(Box::new(Flowing { mesh, method, out, result: None }))
-    }
-}
-
-struct Flowing {
-    mesh: TriMesh,
-    method: Method,
-    out: Option<PathBuf>,
-    result: Option<TriMesh>,
-}
-
-impl Work for Flowing {
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
-        self.result = None;
-        let mesh = forgetful(&self.mesh, watch)?;
-        self.result = Some(watch.phase("solve", || self.method.run(&mesh, None))?.mesh);
-        Ok(())
-    }
-
-    fn fingerprint(&mut self) -> Result<Fingerprint> {
-        let result = self.result.as_ref().context("nothing was smoothed")?;
-        if let Some(out) = &self.out {
-            io::write(out, result)?;
-        }
-        Ok(displacement_fingerprint(&self.mesh, result))
-    }
+/// A flow over the mesh of the job.
+fn flow(job: &Job, method: Method) -> Result<Work> {
+    let mesh = io::read(&job.input)?.mesh;
+    let out = job.out.clone();
+    work(move |watch| {
+        let before = forgetful(&mesh, watch)?;
+        let after = watch.phase("solve", || method.run(&before, None))?.mesh;
+        let out = out.clone();
+        Ok(move || {
+            if let Some(out) = out {
+                io::write(out, &after)?;
+            }
+            Ok(displacement_fingerprint(&before, &after))
+        })
+    })
 }
 
 /// Reads an OBJ, takes implicit uniform steps, writes a binary PLY.
-pub(super) struct EndToEnd;
-
-impl Task for EndToEnd {
-    fn name(&self) -> &'static str {
-        "end_to_end"
-    }
-
-    fn about(&self) -> &'static str {
-        "read an OBJ, implicit uniform steps, write a binary PLY"
-    }
-
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        let out = job.out.clone().context("where to? say --out FILE")?;
-        Ok(Box::new(Travelling { input: job.input.clone(), out, method: implicit_uniform(job) }))
-    }
-}
-
-struct Travelling {
-    input: PathBuf,
-    out: PathBuf,
-    method: Method,
-}
-
-impl Work for Travelling {
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
-        let mesh = watch.phase("load", || io::read(&self.input))?.mesh;
-        let smoothed = watch.phase("solve", || self.method.run(&mesh, None))?.mesh;
-        watch.phase("save", || io::write(&self.out, &smoothed))?;
-        Ok(())
-    }
-
-    fn fingerprint(&mut self) -> Result<Fingerprint> {
-        let (before, after) = (io::read(&self.input)?.mesh, io::read(&self.out)?.mesh);
-        Ok(displacement_fingerprint(&before, &after))
-    }
+pub(super) fn end_to_end(job: &Job) -> Result<Work> {
+    let out = job.out.clone().context("missing output file: --out FILE")?;
+    let input = job.input.clone();
+    let method = implicit(job, Implicit::new(Diffusion::uniform(job.lambda)));
+    work(move |watch| {
+        let mesh = watch.phase("load", || io::read(&input))?.mesh;
+        let smoothed = watch.phase("solve", || method.run(&mesh, None))?.mesh;
+        watch.phase("save", || io::write(&out, &smoothed))?;
+        let (input, out) = (input.clone(), out.clone());
+        Ok(move || Ok(displacement_fingerprint(&io::read(&input)?.mesh, &io::read(&out)?.mesh)))
+    })
 }
 
 /// Root mean square and largest displacement, and the sum of squared coordinates.

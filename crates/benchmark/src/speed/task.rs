@@ -9,36 +9,38 @@ use serde_json::{Map, Value};
 use super::stopwatch::Stopwatch;
 
 /// A task to be timed.
-pub(super) trait Task: Sync {
+pub(super) struct Task {
     /// The name on the command line.
-    fn name(&self) -> &'static str;
-
+    pub(super) name: &'static str,
     /// A one-line description.
-    fn about(&self) -> &'static str;
-
+    pub(super) about: &'static str,
     /// Reads the inputs, untimed, and returns the work.
-    ///
-    /// # Errors
-    ///
-    /// An input that cannot be read.
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>>;
+    pub(super) prepare: fn(&Job) -> Result<Work>,
 }
 
-/// The work of a task, ready to be repeated.
-pub(super) trait Work {
-    /// Does the work once; every phase runs through the stopwatch.
-    ///
-    /// # Errors
-    ///
-    /// Any failure of the work.
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()>;
+impl Task {
+    pub(super) const fn new(
+        name: &'static str,
+        about: &'static str,
+        prepare: fn(&Job) -> Result<Work>,
+    ) -> Self {
+        Self { name, about, prepare }
+    }
+}
 
-    /// Numbers for comparing the last result with other libraries.
-    ///
-    /// # Errors
-    ///
-    /// A result that cannot be read back.
-    fn fingerprint(&mut self) -> Result<Fingerprint>;
+/// Does the work once; every phase runs through the stopwatch.
+pub(super) type Work = Box<dyn FnMut(&mut Stopwatch) -> Result<Done>>;
+
+/// Numbers of a result, for comparing it with other libraries.
+pub(super) type Done = Box<dyn FnOnce() -> Result<Fingerprint>>;
+
+/// Work that keeps its result until the next repetition.
+pub(super) fn work<F, D>(mut run: F) -> Result<Work>
+where
+    F: FnMut(&mut Stopwatch) -> Result<D> + 'static,
+    D: FnOnce() -> Result<Fingerprint> + 'static,
+{
+    Ok(Box::new(move |watch| Ok(Box::new(run(watch)?))))
 }
 
 /// Returns a copy of the mesh without cached topology.

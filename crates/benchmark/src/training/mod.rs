@@ -38,23 +38,12 @@ pub struct TrainingOptions {
     pub seed: u64,
 }
 
-impl Default for TrainingOptions {
-    /// Four stages of two networks, each trained by 16 passes over 1200 faces of each pair.
-    fn default() -> Self {
-        Self { stages: 4, members: 2, faces_per_pair: 1200, epochs: 16, seed: 1 }
-    }
-}
-
 /// Trains the stages of [`automatic`](fairing_denoising::automatic) and returns the bytes of
 /// their file. The loss is the mean over the pairs of the logarithm of the mean
 /// chord between the regressed and the true normal. `say` receives a line after
 /// each pass. The result has the same bits for any number of threads.
 ///
 /// Pairs without a noise level are left out.
-///
-/// # Errors
-///
-/// [`DenoiseError::Build`] if coordinates overflow.
 pub fn train_normals(
     pairs: &[TrainingPair],
     options: &TrainingOptions,

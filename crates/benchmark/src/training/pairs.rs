@@ -8,8 +8,7 @@ use fairing_shapes as shapes;
 use rayon::prelude::*;
 
 use super::TrainingPair;
-use crate::cases::{Set, set_of};
-use crate::families::{Family, RandomModel, Triangulation, warped};
+use crate::families::{Family, RandomModel, Set, Triangulation, warped};
 
 /// The kinds of noise, and the largest level of each.
 const NOISE: [(NoiseKind, f64); 10] = [
@@ -32,12 +31,8 @@ const WARPED: f64 = 0.5;
 const SEEDS: u64 = 1_000_000;
 
 /// Noisy models of the families of the development set, random models, and shapes of no set.
-///
-/// # Errors
-///
-/// None for the built-in shapes and noise.
 pub fn training_pairs(models: u64) -> Result<Vec<TrainingPair>> {
-    let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == Set::Development);
+    let families = Family::ALL.iter().copied().filter(|f| f.set() == Set::Development);
     let mut jobs: Vec<(Source, u64)> = vec![];
     for (i, family) in families.enumerate() {
         for k in 0..models {

@@ -74,10 +74,6 @@ impl<'a> Follow<'a> {
     /// area, seen along its normal, moves each corner along the gradient of its
     /// area by as much as is missing; o is the mean over these faces, made
     /// smaller across the planes of all faces around the vertex.
-    ///
-    /// # Errors
-    ///
-    /// [`DenoiseError::Build`] if coordinates overflow.
     pub(super) fn run(
         &self,
         from: &[[f64; 3]],

@@ -131,20 +131,10 @@ pub enum Approach {
     TotalGeneralisedVariation,
 }
 
-impl Approach {
-    /// All approaches.
-    pub const ALL: [Self; 2] = [Self::Networks, Self::TotalGeneralisedVariation];
-
-    /// The name in output.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Networks => "networks",
-            Self::TotalGeneralisedVariation => "total-generalised-variation",
-        }
-    }
-}
-
-fairing_parameters::named!(Approach, "approach of the automatic denoiser");
+fairing_parameters::named!(Approach, "approach of the automatic denoiser",
+    Networks: "networks",
+    TotalGeneralisedVariation: "total-generalised-variation",
+);
 
 /// Denoises without parameters that have to be chosen: noise level and kind of surface are
 /// estimated from the mesh.

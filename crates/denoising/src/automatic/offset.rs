@@ -23,10 +23,6 @@ const ROUNDS: usize = 3;
 /// All faces of a part move by the same distance along their `normals`, planes in parallel, as far
 /// as three or more faces at a corner allow. No vertex goes further than `limit`
 /// from where it was in the noisy mesh, and a fixed one stays there.
-///
-/// # Errors
-///
-/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn in_the_middle(
     input: Masked<'_>,
     mut mesh: TriMesh,

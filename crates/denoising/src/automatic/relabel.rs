@@ -22,10 +22,6 @@ const ROUNDS: usize = 4;
 /// faces are left out, the update is done again, and each takes the label of
 /// the agreeing face around it that is closest to its new geometry. Four
 /// rounds, or fewer when all agree.
-///
-/// # Errors
-///
-/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn relabel(
     mesh: &TriMesh,
     rings: &FaceLists,

@@ -16,10 +16,6 @@ const STEPS: usize = 20;
 /// Opens the faces of a result that oppose their normal. Where that does not
 /// help, the vertices of those that agreed with it in the noisy mesh go back
 /// half of their way, again and again.
-///
-/// # Errors
-///
-/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_flips(
     noisy: &TriMesh,
     mut mesh: TriMesh,

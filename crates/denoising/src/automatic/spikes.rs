@@ -33,10 +33,6 @@ const ROUNDS: usize = 4;
 /// levels, above a quarter of their distance, and above three times the height of each neighbour
 /// on the same side: along creases and on curved surfaces neighbours are as high. Without noise
 /// there are no spikes, and a fixed vertex is none.
-///
-/// # Errors
-///
-/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_spikes(
     input: Masked<'_>,
     mut level: NoiseEstimate,

@@ -131,10 +131,6 @@ impl<'a> State<'a> {
 
     /// The surface follows the normals; the noise level, the trust in positions and the scales
     /// are those that its distance from the noisy mesh shows, at the vertices that may move.
-    ///
-    /// # Errors
-    ///
-    /// [`DenoiseError::Build`] if coordinates overflow.
     pub(super) fn follow(&mut self) -> Result<(), DenoiseError> {
         let noisy = self.mesh().positions();
         let surface = self.follower(f64::INFINITY).run(noisy, &self.normals, STEPS)?;

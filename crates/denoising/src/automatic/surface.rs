@@ -34,21 +34,11 @@ pub enum FaceKind {
     Creased,
 }
 
-impl FaceKind {
-    /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Flat, Self::Curved, Self::Creased];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Curved => "curved",
-            Self::Creased => "creased",
-        }
-    }
-}
-
-fairing_parameters::named!(FaceKind, "kind of a face");
+fairing_parameters::named!(FaceKind, "kind of a face",
+    Flat: "flat",
+    Curved: "curved",
+    Creased: "creased",
+);
 
 /// The kind of each face, and whether the mesh has creases as long as two of its
 /// diagonals.

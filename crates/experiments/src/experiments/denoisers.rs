@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use fairing_benchmark::{Family, Triangulation};
 use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, feature_edges, normal_error};
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 
 use super::families;
@@ -16,7 +16,7 @@ use super::models::{CREASES, FEATURE};
 use super::restoring::{Body, Method};
 use super::seen;
 use crate::experiment::{Card, Context, Experiment};
-use crate::inputs::{Input, Pair};
+use crate::inputs::Input;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::section::{Act, Section};
@@ -31,23 +31,11 @@ const LEVELS: [f64; 3] = [0.1, 0.2, 0.3];
 
 /// The pairs of the literature, by their names there.
 const PAIRS: [(&str, Input, Input); 6] = [
-    (
-        "Fandisk 0.3",
-        Input::LiteratureNoisy(Pair::FandiskLow),
-        Input::LiteratureTrue(Pair::FandiskLow),
-    ),
-    (
-        "Fandisk 0.7",
-        Input::LiteratureNoisy(Pair::FandiskHigh),
-        Input::LiteratureTrue(Pair::FandiskHigh),
-    ),
-    ("Block 0.4", Input::LiteratureNoisy(Pair::Block), Input::LiteratureTrue(Pair::Block)),
-    (
-        "Twelve 0.5, impulsive",
-        Input::LiteratureNoisy(Pair::Twelve),
-        Input::LiteratureTrue(Pair::Twelve),
-    ),
-    ("Julius 0.2", Input::LiteratureNoisy(Pair::Julius), Input::LiteratureTrue(Pair::Julius)),
+    ("Fandisk 0.3", Input::FandiskLowNoisy, Input::FandiskLowTrue),
+    ("Fandisk 0.7", Input::FandiskHighNoisy, Input::FandiskHighTrue),
+    ("Block 0.4", Input::BlockNoisy, Input::BlockTrue),
+    ("Twelve 0.5, impulsive", Input::TwelveNoisy, Input::TwelveTrue),
+    ("Julius 0.2", Input::JuliusNoisy, Input::JuliusTrue),
     ("noisy machine part", Input::NoisyFandisk, Input::Fandisk),
 ];
 
@@ -253,16 +241,16 @@ fn literature(context: &Context<'_>, scores: &mut Table, outcome: &mut Outcome) 
 const INPUTS: &[Input] = &[
     Input::NoisyFandisk,
     Input::Fandisk,
-    Input::LiteratureNoisy(Pair::FandiskLow),
-    Input::LiteratureTrue(Pair::FandiskLow),
-    Input::LiteratureNoisy(Pair::FandiskHigh),
-    Input::LiteratureTrue(Pair::FandiskHigh),
-    Input::LiteratureNoisy(Pair::Block),
-    Input::LiteratureTrue(Pair::Block),
-    Input::LiteratureNoisy(Pair::Twelve),
-    Input::LiteratureTrue(Pair::Twelve),
-    Input::LiteratureNoisy(Pair::Julius),
-    Input::LiteratureTrue(Pair::Julius),
+    Input::FandiskLowNoisy,
+    Input::FandiskLowTrue,
+    Input::FandiskHighNoisy,
+    Input::FandiskHighTrue,
+    Input::BlockNoisy,
+    Input::BlockTrue,
+    Input::TwelveNoisy,
+    Input::TwelveTrue,
+    Input::JuliusNoisy,
+    Input::JuliusTrue,
 ];
 
 /// The noisy input, then every denoiser.
@@ -356,7 +344,6 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     let mut plot = Plot {
         y: Axis::linear("normal error in degrees"),
         categories: methods().map(|m| short_name(m).into()).collect(),
-        legend: Legend::Lines,
         ..Plot::default()
     };
     let mut shortest = vec![];

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
@@ -391,7 +391,6 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             title: sample.name().into(),
             x: Axis::log("mean edge length h"),
             y: Axis::log("largest relative error"),
-            legend: Legend::Lines,
             ..Plot::default()
         };
         let mut lines = vec![];

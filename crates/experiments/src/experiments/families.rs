@@ -6,7 +6,7 @@ use fairing_benchmark::{
     Case, Found, Method, Published, Set, cases, committed, denoiser, found, summary,
 };
 use fairing_denoising::{AutomaticOptions, Denoiser};
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series};
 use fairing_mesh::TriMesh;
 
 use super::gallery::{VIEWPOINTS, plotted};
@@ -95,7 +95,6 @@ fn ratios<'a>(mine: &impl Fn(Set) -> Vec<(&'a Case, &'a Found)>) -> Result<Pictu
     let mut plot = Plot {
         x: Axis::linear("share of the cases in %"),
         y: Axis::log("normal error over the best published"),
-        legend: Legend::Lines,
         ..Plot::default()
     };
     for set in Set::ALL {

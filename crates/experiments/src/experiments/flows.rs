@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, add_noise, drift, normal_error, observed_orders, vertex_distance,
 };
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
@@ -193,7 +193,6 @@ fn radius(spheres: &Table) -> Result<Picture> {
     let mut plot = Plot {
         x: Axis::log("mean edge length h"),
         y: Axis::log("error of the radius"),
-        legend: Legend::Lines,
         series: vec![Series::marked("unit sphere", points.map(<[f64; 2]>::from).collect())],
         ..Plot::default()
     };

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use anyhow::{Context as _, Result};
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 use fairing_smoothing::{FlowError, Smoothed};
 use glam::DVec3;
@@ -166,13 +166,10 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
 pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
     for (column, unit) in [("normal error", "degrees"), ("surface error", "h")] {
-        let mut plot = Plot {
-            title: column.into(),
-            x: Axis::log("λ"),
-            y: Axis::log(unit),
-            legend: Legend::Lines,
-            ..Plot::default()
-        };
+        let mut plot =
+            Plot {
+                title: column.into(), x: Axis::log("λ"), y: Axis::log(unit), ..Plot::default()
+            };
         for mesh in SWEPT_MESHES {
             let rows = sweep.only(&[("mesh", mesh.into())])?;
             let errors = rows.index(column)?;

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context as _, Result, ensure};
-use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{CotangentOptions, Estimator};
 use fairing_operators::surface::{ClosedForms, Ellipsoid, ParametricSurface};
@@ -243,7 +243,6 @@ fn plot(directions: &Table) -> Result<Picture> {
                 Series::line("forms", line("κ")?),
                 Series::line("original", line("κ, original")?),
             ],
-            legend: Legend::Lines,
             ..Plot::default()
         };
         figure.panels.push(Panel::drawing(plot.draw(300.0, 270.0)?));

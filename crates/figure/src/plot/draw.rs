@@ -1,7 +1,6 @@
 //! Plots as drawings.
 
 use super::axis::{Axis, AxisScale, Range, label};
-use super::legend;
 use super::series::{QUIET, REFERENCE, Series, Shape, Style, slope_ends};
 use super::{Legend, Plot};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
@@ -12,6 +11,7 @@ use crate::ticks::Ticks;
 
 const TICK_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
+const NAME_SIZE: f64 = 12.5;
 /// The distance between lines of text.
 const LINE: f64 = 14.0;
 const GRID: Color = [0xe8, 0xea, 0xed];
@@ -31,39 +31,11 @@ fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, FigureError> {
     let styled = styles(&plot.series);
     let [x, y] = ranges(plot)?;
     let size = [width, height];
-    let named = match plot.legend {
-        Legend::None | Legend::Lines => None,
-        _ => legend::draw(&styled),
+    let names = match plot.legend {
+        Legend::Lines => widest(&plot.series).map_or(0.0, |widest| widest + 12.0),
+        Legend::None => 0.0,
     };
-    let beside = if plot.legend == Legend::Lines { legend::widest(&styled) + 12.0 } else { 0.0 };
-    let free = Frame::new(plot, [x, y], size, [beside, 0.0]);
-    // Inside if a corner is free, else beside the frame if that leaves it
-    // most of the width, else below.
-    let (frame, legend) = match named {
-        None => (free, None),
-        Some(named) => {
-            let taken = free.taken(&plot.series);
-            let corner = match plot.legend {
-                Legend::Auto => legend::corner(&named, free.sides(), &taken),
-                _ => None,
-            };
-            let beside = named.width + 10.0;
-            match corner {
-                Some(corner) => (free, Some((corner, named))),
-                None if plot.legend == Legend::Right || beside < 0.28 * width => {
-                    let frame = Frame::new(plot, [x, y], size, [beside, 0.0]);
-                    let place = [frame.right + 10.0, frame.top];
-                    (frame, Some((place, named)))
-                }
-                None => {
-                    let rows = legend::rows(&styled, free.right - free.left);
-                    let frame = Frame::new(plot, [x, y], size, [0.0, rows.height + 6.0]);
-                    let place = [frame.left, height - rows.height];
-                    (frame, Some((place, rows)))
-                }
-            }
-        }
-    };
+    let frame = Frame::new(plot, [x, y], size, names);
     let mut out = Drawing::new(width, height);
     out.middle = (frame.left + frame.right) / 2.0;
     frame.axes(&mut out, plot);
@@ -83,14 +55,17 @@ fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, FigureError> {
     out.elements.push(Element::Clip { at, size, elements: inside.elements });
     let corner = [[left, top], [left, bottom], [right, bottom]];
     out.stroke(Outline::polyline(corner), Stroke::thin(SOFT));
-    if let Some((place, legend)) = legend {
-        out.place(place, legend);
-    }
     if plot.legend == Legend::Lines {
         frame.name_lines(&mut out, &styled);
     }
     out.elements.push(Element::Data(frame.data(plot)));
     Ok(out)
+}
+
+/// The width of the widest name of a series; `None` without names.
+fn widest(series: &[Series]) -> Option<f64> {
+    let named = series.iter().filter(|s| !s.name.is_empty());
+    named.map(|s| width(&s.name, NAME_SIZE, Face::Regular)).reduce(f64::max)
 }
 
 /// A JSON string.
@@ -176,15 +151,15 @@ struct Frame {
 }
 
 impl Frame {
-    /// Leaves room for labels, and what is spared to the right and below.
-    fn new(plot: &Plot, [x, y]: [Range; 2], size: [f64; 2], spare: [f64; 2]) -> Self {
+    /// Leaves room for labels, and for names on the right.
+    fn new(plot: &Plot, [x, y]: [Range; 2], size: [f64; 2], names: f64) -> Self {
         let title = if plot.title.is_empty() { 0.0 } else { 24.0 };
-        let below = spare[1] + further(plot) + if plot.x.label.is_empty() { 26.0 } else { 48.0 };
+        let below = further(plot) + if plot.x.label.is_empty() { 26.0 } else { 48.0 };
         let y_ticks = y.ticks(((size[1] - title - below) / 45.0).clamp(2.0, 8.0) as usize);
         let widest = y_ticks.major.iter().map(|(_, l)| width(l, TICK_SIZE, Face::Regular));
         let beside_y = if plot.y.label.is_empty() && y_ticks.exponent == 0 { 6.0 } else { 26.0 };
         let left = beside_y + widest.fold(0.0, f64::max) + 9.0;
-        let right = size[0] - 14.0 - spare[0];
+        let right = size[0] - 14.0 - names;
         let x_ticks = x.ticks(((right - left) / 70.0).clamp(2.0, 8.0) as usize);
         let (top, bottom) = (title + 8.0, size[1] - below);
         Self { left, top, right, bottom, x, y, x_ticks, y_ticks }
@@ -277,7 +252,7 @@ impl Frame {
         }
         for (y, color, name) in ends {
             let at = [self.right + 7.0, y + 4.3];
-            out.text(at, legend::SIZE, Anchor::Start, Face::Regular, color, name);
+            out.text(at, NAME_SIZE, Anchor::Start, Face::Regular, color, name);
         }
     }
 
@@ -367,37 +342,5 @@ impl Frame {
             let (low, high) = (y0.max(y1), y0.min(y1));
             out.fill(Outline::rectangle([x0, high], [x1 - x0, low - high]), color, 1.0);
         }
-    }
-
-    /// Points along all lines and marks, dense enough to count those that a legend would hide.
-    fn taken(&self, series: &[Series]) -> Vec<[f64; 2]> {
-        let mut taken = Vec::new();
-        for series in series {
-            if let Shape::Bars(values) = &series.shape {
-                for (i, &value) in values.iter().enumerate() {
-                    for part in 0..=20 {
-                        let y = value * f64::from(part) / 20.0;
-                        for dx in [-0.38, -0.2, 0.0, 0.2, 0.38] {
-                            taken.push(self.at([i as f64 + 1.0 + dx, y]));
-                        }
-                    }
-                }
-                continue;
-            }
-            let points: Vec<_> = series.extent().iter().map(|&p| self.at(p)).collect();
-            taken.extend(points.iter().copied());
-            if matches!(series.shape, Shape::Points(_)) {
-                continue;
-            }
-            for pair in points.windows(2) {
-                let [a, b] = [pair[0], pair[1]];
-                let steps = (libm::hypot(b[0] - a[0], b[1] - a[1]) / 6.0).clamp(1.0, 500.0) as u32;
-                taken.extend((1..steps).map(|i| {
-                    let t = f64::from(i) / f64::from(steps);
-                    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
-                }));
-            }
-        }
-        taken
     }
 }

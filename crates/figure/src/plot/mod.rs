@@ -8,7 +8,6 @@
 
 mod axis;
 mod draw;
-mod legend;
 mod series;
 
 pub use axis::{Axis, AxisScale};
@@ -28,19 +27,15 @@ pub struct Plot {
     /// Names of the groups of bars, from left to right, perhaps of several
     /// lines; the horizontal axis then has no numbers.
     pub categories: Vec<String>,
-    /// The position of the legend.
+    /// The position of the names of the series.
     pub legend: Legend,
 }
 
-/// The position of the legend.
+/// The position of the names of the series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Legend {
-    /// In a free corner of the frame, or to its right or below if none is.
-    #[default]
-    Auto,
-    /// To the right of the frame.
-    Right,
     /// At the ends of their lines, to the right of the frame, in the colours of the lines.
+    #[default]
     Lines,
     /// Nowhere.
     None,

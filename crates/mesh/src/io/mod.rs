@@ -97,7 +97,7 @@ pub use triangulate::triangulate;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use whole::{check_writable, discard_unfinished, write_whole};
-pub use write::{polygons_to_bytes, to_bytes, write_polygons_to, write_to};
+pub use write::{to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_polygons, write_with_fields};
 

@@ -33,7 +33,7 @@ impl NumberType {
     }
 
     /// Returns true for types of integers.
-    pub fn is_integer(self) -> bool {
+    pub(crate) fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 

@@ -46,6 +46,19 @@ pub struct Holds {
 }
 
 impl Holds {
+    pub(super) const NOTHING: Self = Self {
+        faces: false,
+        exact: false,
+        polygons: false,
+        colors: false,
+        normals: false,
+        fields: false,
+        face_fields: false,
+        texture: false,
+        binary: false,
+        float_widths: false,
+    };
+
     /// Text with faces of any number of corners, and colours and normals of vertices.
     pub(super) const TEXT: Self = Self {
         faces: true,
@@ -53,10 +66,10 @@ impl Holds {
         polygons: true,
         colors: true,
         normals: true,
-        fields: false,
-        face_fields: false,
-        texture: false,
-        binary: false,
-        float_widths: false,
+        ..Self::NOTHING
     };
+
+    /// Points with colours and fields.
+    pub(super) const POINTS: Self =
+        Self { exact: true, colors: true, normals: true, fields: true, ..Self::NOTHING };
 }

@@ -102,21 +102,9 @@ pub fn to_bytes(
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, WriteError> {
-    bytes(format, Surface::triangles(mesh, fields), options)
-}
-
-/// [`to_bytes`] for polygons. STL does not hold them.
-///
-/// # Errors
-///
-/// As for [`to_bytes`].
-pub fn polygons_to_bytes(
-    format: Format,
-    mesh: &PolygonMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<Vec<u8>, WriteError> {
-    bytes(format, Surface::polygons(mesh, fields), options)
+    let encoded = encode(format, Surface::triangles(mesh, fields), options);
+    let (pieces, _) = encoded.map_err(|problem| WriteError::new(Path::new(""), problem))?;
+    Ok(pieces.concat())
 }
 
 /// Writes the uncompressed bytes of a file to a stream.
@@ -179,16 +167,6 @@ fn stream_out(
         Ok(report)
     };
     attempt().map_err(|problem| WriteError::new(Path::new(""), problem))
-}
-
-fn bytes(
-    format: Format,
-    surface: Surface<'_>,
-    options: &WriteOptions,
-) -> Result<Vec<u8>, WriteError> {
-    let (pieces, _) = encode(format, surface, options)
-        .map_err(|problem| WriteError::new(Path::new(""), problem))?;
-    Ok(pieces.concat())
 }
 
 /// The bytes of a file, in pieces, with the report.

@@ -19,25 +19,8 @@ use crate::io::{FloatWidth, NumberType, WriteOptions};
 
 const NAME: &str = "XYZ";
 
-pub(super) const FORMAT: Row = Row {
-    name: NAME,
-    extensions: &["xyz"],
-    looks_like,
-    parse,
-    encode,
-    holds: Holds {
-        faces: false,
-        exact: true,
-        polygons: false,
-        colors: true,
-        normals: true,
-        fields: true,
-        face_fields: false,
-        texture: false,
-        binary: false,
-        float_widths: false,
-    },
-};
+pub(super) const FORMAT: Row =
+    Row { name: NAME, extensions: &["xyz"], looks_like, parse, encode, holds: Holds::POINTS };
 
 /// The most numbers in a line.
 const MAX_COLUMNS: usize = 64;

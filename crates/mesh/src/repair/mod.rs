@@ -139,37 +139,18 @@ pub enum RepairStep {
     OpenHoles,
 }
 
-impl RepairStep {
-    /// All steps, in the order in which they run.
-    pub const ALL: [Self; 10] = [
-        Self::MergedVertices,
-        Self::CollapsedFaces,
-        Self::DuplicateFaces,
-        Self::TurnedFaces,
-        Self::SplitVertices,
-        Self::SmallComponents,
-        Self::ThinFaces,
-        Self::IsolatedVertices,
-        Self::FilledHoles,
-        Self::OpenHoles,
-    ];
-
-    /// The name in tables, in lower case with hyphens.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::MergedVertices => "merged-vertices",
-            Self::CollapsedFaces => "collapsed-faces",
-            Self::DuplicateFaces => "duplicate-faces",
-            Self::TurnedFaces => "turned-faces",
-            Self::SplitVertices => "split-vertices",
-            Self::SmallComponents => "small-components",
-            Self::ThinFaces => "thin-faces",
-            Self::IsolatedVertices => "isolated-vertices",
-            Self::FilledHoles => "filled-holes",
-            Self::OpenHoles => "open-holes",
-        }
-    }
-}
+fairing_parameters::named!(RepairStep, "step of a repair",
+    MergedVertices: "merged-vertices",
+    CollapsedFaces: "collapsed-faces",
+    DuplicateFaces: "duplicate-faces",
+    TurnedFaces: "turned-faces",
+    SplitVertices: "split-vertices",
+    SmallComponents: "small-components",
+    ThinFaces: "thin-faces",
+    IsolatedVertices: "isolated-vertices",
+    FilledHoles: "filled-holes",
+    OpenHoles: "open-holes",
+);
 
 /// The result of [`repair`].
 #[derive(Debug, Clone)]

@@ -38,7 +38,7 @@ impl Length {
     /// # Errors
     ///
     /// [`OperatorError::Option`] if it is negative or not finite.
-    pub fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
+    pub(crate) fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
         let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
         OptionError::require_not_negative("radius", value)?;
         if matches!(self, Self::MeshUnits(_)) {

@@ -1,35 +1,10 @@
-//! Glued triangles of a mesh: its faces as they are, or each covered twice.
+//! Glued triangles of a mesh that cover each face twice.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
 use super::triangulation::{BORDER, Triangulation};
-use crate::error::OperatorError;
 use crate::tangent::tangent_frame;
-
-/// The faces as they are, glued where an edge has two of consistent orientation.
-pub(super) fn single(mesh: &TriMesh) -> Result<Triangulation, OperatorError> {
-    let topology = mesh.topology();
-    let mut glued = sides(mesh, mesh.faces());
-    for (e, &[a, b]) in topology.edges().iter().enumerate() {
-        match *topology.edge_faces(e as u32) {
-            [f, g] => {
-                let (s, t) = (side_of(mesh, f, [a, b]), side_of(mesh, g, [a, b]));
-                if glued.start[s as usize] == glued.start[t as usize] {
-                    return Err(OperatorError::NonManifoldEdge { edge: [a, b], faces: 2 });
-                }
-                glued.twin[s as usize] = t;
-                glued.twin[t as usize] = s;
-            }
-            [_] => {}
-            ref faces => {
-                let faces = faces.len();
-                return Err(OperatorError::NonManifoldEdge { edge: [a, b], faces });
-            }
-        }
-    }
-    Ok(glued)
-}
 
 /// The tufted cover: a front and a back of each face, face f and F + f. Around
 /// an edge, the side of a face towards the next one is glued to that one's
@@ -143,7 +118,6 @@ mod tests {
         // the gap between them with a copy that the other's twin is.
         let s = side_of(&mesh, 0, [0, 1]);
         assert_eq!(cover.twin[s as usize] / 3, 1);
-        assert!(single(&mesh).is_err());
     }
 
     #[test]
@@ -156,8 +130,5 @@ mod tests {
         for (s, &t) in cover.twin.iter().enumerate() {
             assert_eq!(s < 12, t < 12, "front is glued to front");
         }
-        let glued = single(&mesh).unwrap();
-        check(&glued);
-        assert_eq!(glued.twin, cover.twin[..12]);
     }
 }

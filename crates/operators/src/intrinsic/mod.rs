@@ -15,4 +15,4 @@ mod mollify;
 mod robust;
 mod triangulation;
 
-pub use robust::{Cover, IntrinsicFaces, RobustLaplacian, RobustOptions, robust_laplacian};
+pub use robust::{IntrinsicFaces, RobustLaplacian, robust_laplacian};

@@ -1,53 +1,22 @@
 //! Stiffness and mass that exist on any triangle soup.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
 use fairing_sparse::SparseMatrix;
 
-use super::cover::{single, tufted};
+use super::cover::tufted;
+use super::delaunay::Flips;
 use super::triangulation::{Triangulation, after, before};
 use crate::assembly::sum_entries;
 use crate::error::OperatorError;
 
-/// The construction of glued triangles from the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Cover {
-    /// Two sides of each face, glued around each edge: any mesh. Source:
-    /// [sharp2020].
-    ///
-    /// [sharp2020]: https://doi.org/10.1111/cgf.14069
-    Tufted,
-    /// The faces as they are; every edge must have one face, or two with the
-    /// same orientation. The boundary is kept; half the work.
-    Single,
-}
+/// The excess of two sides of a triangle over the third, as a fraction of its longest side, or of
+/// the mean length in its connected part if that is less. A triangle with a smaller excess is
+/// lengthened: all its sides by the same amount, and with them the sides of neighbours that would
+/// fall short. Other faces keep their lengths, except for sides shared with such triangles.
+const EXCESS: f64 = 1e-5;
 
-/// Options of [`robust_laplacian`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct RobustOptions {
-    /// The construction of glued triangles from the mesh.
-    pub cover: Cover,
-    /// The excess of two sides of a triangle over the third, as a fraction of its
-    /// longest side, or of the mean length in its connected part if that is less.
-    /// A triangle with a smaller excess is lengthened: all its sides by the same
-    /// amount, and with them the sides of neighbours that would fall short. Other
-    /// faces keep their lengths, except for sides shared with such triangles. Not
-    /// negative.
-    pub mollify: f64,
-    /// If true, flips edges to the intrinsic Delaunay triangulation.
-    pub delaunay: bool,
-}
-
-/// The tufted cover, a mollification of 10⁻⁵, and Delaunay flips.
-impl Default for RobustOptions {
-    fn default() -> Self {
-        Self { cover: Cover::Tufted, mollify: 1e-5, delaunay: true }
-    }
-}
+/// The weight of a triangle of the cover, which covers the surface twice.
+const FRACTION: f64 = 0.5;
 
 /// Stiffness and mass of a mesh in its intrinsic metric.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +41,7 @@ pub struct RobustLaplacian {
     pub faces: IntrinsicFaces,
 }
 
-/// Triangles given by the lengths of their sides.
+/// Triangles given by the lengths of their sides. They cover the surface twice: each counts half.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct IntrinsicFaces {
@@ -81,51 +50,39 @@ pub struct IntrinsicFaces {
     pub corners: Vec<u32>,
     /// The lengths of the sides, three for each face, in mesh units.
     pub lengths: Vec<f64>,
-    /// The weight of a face: ½ where the surface is covered twice.
-    pub fraction: f64,
 }
 
 /// Assembles a stiffness and a mass on any triangle mesh that has an edge of a
 /// length above zero.
 ///
-/// All entries are finite. With Delaunay flips off-diagonal entries of the
-/// stiffness are not positive, up to 10⁻¹⁰ (where `stuck` is zero), and masses
-/// of vertices with faces are positive. On a closed manifold mesh that is
-/// Delaunay and has no thin face these are the plain cotangent stiffness and
-/// the barycentric mass. With [`Cover::Tufted`] borders take part in flips too:
-/// the sheet is seen as a flattened closed surface, whose two sides are
-/// averaged.
+/// All entries are finite. Off-diagonal entries of the stiffness are not
+/// positive, up to 10⁻¹⁰ (where `stuck` is zero), and masses of vertices with
+/// faces are positive. On a closed manifold mesh that is Delaunay and has no
+/// thin face these are the plain cotangent stiffness and the barycentric mass.
+/// Borders take part in flips too: the sheet is seen as a flattened closed
+/// surface, whose two sides are averaged.
 ///
 /// Cost: linear but for the flips, whose number is small on real meshes.
 ///
 /// # Errors
 ///
 /// [`OperatorError::NoLength`] if no edge has a length above zero (a mesh
-/// without faces is fine, and zero); [`OperatorError::NonManifoldEdge`] with
-/// [`Cover::Single`]; [`OperatorError::DegenerateFace`] if mollification is
-/// too weak, zero for instance; [`OperatorError::Option`] if it is negative.
+/// without faces is fine, and zero); [`OperatorError::DegenerateFace`] if a
+/// triangle has no area even so; [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
 /// Source: [sharp2020].
 ///
 /// [sharp2020]: https://doi.org/10.1111/cgf.14069
 #[doc(alias("intrinsic_delaunay_cotmatrix", "mesh_laplacian", "tufted_laplacian"))]
-pub fn robust_laplacian(
-    mesh: &TriMesh,
-    options: RobustOptions,
-) -> Result<RobustLaplacian, OperatorError> {
-    OptionError::require_not_negative("mollification", options.mollify)?;
-    let (mut triangles, fraction) = match options.cover {
-        Cover::Tufted => (tufted(mesh), 0.5),
-        Cover::Single => (single(mesh)?, 1.0),
-    };
+pub fn robust_laplacian(mesh: &TriMesh) -> Result<RobustLaplacian, OperatorError> {
+    let mut triangles = tufted(mesh);
     let longest = triangles.length.iter().copied().fold(0.0, f64::max);
     if triangles.triangle_count() > 0 && longest == 0.0 {
         return Err(OperatorError::NoLength);
     }
     let parts = mesh.topology().components();
     let part = |v| parts.label(v).unwrap_or(0) as usize;
-    let done =
-        triangles.mollify(options.mollify, || (0..mesh.vertex_count() as u32).map(part).collect());
+    let done = triangles.mollify(EXCESS, || (0..mesh.vertex_count() as u32).map(part).collect());
     if let Some(t) = (0..triangles.triangle_count()).find(|&t| triangles.area(3 * t as u32) <= 0.0)
     {
         let face = (t % mesh.face_count()) as u32;
@@ -135,15 +92,10 @@ pub fn robust_laplacian(
             edge: longest_of(&triangles, t),
         });
     }
-    let (mut flips, mut stuck) = (0, 0);
-    if options.delaunay {
-        let done = triangles.flip_to_delaunay();
-        (flips, stuck) = (done.count, done.stuck);
-    }
-    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, fraction)?;
-    let lengths = triangles.length;
+    let Flips { count: flips, stuck } = triangles.flip_to_delaunay();
+    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles)?;
     let (added_length, mollified) = (done.added, done.triangles);
-    let faces = IntrinsicFaces { corners: triangles.start, lengths, fraction };
+    let faces = IntrinsicFaces { corners: triangles.start, lengths: triangles.length };
     Ok(RobustLaplacian { stiffness, mass, added_length, mollified, flips, stuck, faces })
 }
 
@@ -151,20 +103,19 @@ fn longest_of(triangles: &Triangulation, t: usize) -> f64 {
     triangles.length[3 * t..3 * t + 3].iter().copied().fold(0.0, f64::max)
 }
 
-/// Cotangent stiffness and barycentric mass of glued triangles, times a weight.
+/// Cotangent stiffness and barycentric mass of the triangles of a cover.
 /// An edge from a vertex to itself has no part in the stiffness.
 fn assemble(
     n: usize,
     triangles: &Triangulation,
-    fraction: f64,
 ) -> Result<(SparseMatrix, Vec<f64>), OperatorError> {
     let mut mass = vec![0.0; n];
     let mut entries = Vec::with_capacity(4 * triangles.start.len());
     for s in 0..triangles.start.len() as u32 {
         let (i, j) = (triangles.start[s as usize], triangles.start[after(s) as usize]);
-        mass[triangles.start[before(s) as usize] as usize] += fraction * triangles.area(s) / 3.0;
+        mass[triangles.start[before(s) as usize] as usize] += FRACTION * triangles.area(s) / 3.0;
         if i != j {
-            let weight = 0.5 * fraction * triangles.opposite_cotangent(s);
+            let weight = 0.5 * FRACTION * triangles.opposite_cotangent(s);
             entries.extend([(i, j, -weight), (j, i, -weight), (i, i, weight), (j, j, weight)]);
         }
     }
@@ -186,14 +137,11 @@ mod tests {
         let mesh = shapes::icosphere(2);
         let plain = cotan_stiffness(&mesh).unwrap();
         let area = lumped_mass(&mesh, LumpedArea::Barycentric).unwrap();
-        for cover in [Cover::Tufted, Cover::Single] {
-            let robust =
-                robust_laplacian(&mesh, RobustOptions { cover, ..Default::default() }).unwrap();
-            assert_eq!((robust.flips, robust.stuck, robust.added_length), (0, 0, 0.0));
-            assert!(largest_difference(&robust.stiffness, &plain) < 1e-12);
-            for (a, b) in robust.mass.iter().zip(&area) {
-                assert!((a - b).abs() < 1e-14);
-            }
+        let robust = robust_laplacian(&mesh).unwrap();
+        assert_eq!((robust.flips, robust.stuck, robust.added_length), (0, 0, 0.0));
+        assert!(largest_difference(&robust.stiffness, &plain) < 1e-12);
+        for (a, b) in robust.mass.iter().zip(&area) {
+            assert!((a - b).abs() < 1e-14);
         }
     }
 
@@ -201,10 +149,9 @@ mod tests {
     #[test]
     fn without_flips_it_is_the_plain_stiffness() {
         let mesh = shapes::torus(3.0, 1.0, 9, 5);
-        let options = RobustOptions { delaunay: false, ..Default::default() };
-        let robust = robust_laplacian(&mesh, options).unwrap();
+        let (stiffness, _) = assemble(mesh.vertex_count(), &tufted(&mesh)).unwrap();
         let plain = cotan_stiffness(&mesh).unwrap();
-        assert!(largest_difference(&robust.stiffness, &plain) < 1e-12);
+        assert!(largest_difference(&stiffness, &plain) < 1e-12);
     }
 
     #[test]
@@ -220,7 +167,7 @@ mod tests {
         ];
         let faces = vec![[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5], [0, 2, 1]];
         let mesh = TriMesh::new(positions, faces).unwrap();
-        let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
+        let robust = robust_laplacian(&mesh).unwrap();
         assert_eq!(robust.stuck, 0);
         for (i, row) in robust.stiffness.outer_iterator().enumerate() {
             let mut sum = 0.0;
@@ -233,17 +180,14 @@ mod tests {
         }
         assert!(robust.mass[..6].iter().all(|&m| m > 0.0));
         assert_eq!(robust.mass[6], 0.0);
-        let single = RobustOptions { cover: Cover::Single, ..Default::default() };
-        let error = robust_laplacian(&mesh, single).unwrap_err();
-        assert_eq!(error, OperatorError::NonManifoldEdge { edge: [0, 1], faces: 5 });
     }
 
     #[test]
     fn a_point_has_none() {
         let mesh = TriMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
-        let robust = robust_laplacian(&mesh, RobustOptions::default());
+        let robust = robust_laplacian(&mesh);
         assert_eq!(robust, Err(OperatorError::NoLength));
         let empty = TriMesh::new(vec![[1.0; 3]; 3], vec![]).unwrap();
-        assert_eq!(robust_laplacian(&empty, RobustOptions::default()).unwrap().mass, [0.0; 3]);
+        assert_eq!(robust_laplacian(&empty).unwrap().mass, [0.0; 3]);
     }
 }

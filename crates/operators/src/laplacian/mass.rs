@@ -123,11 +123,6 @@ pub fn positive_lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>
 }
 
 /// Gives isolated vertices the mass that they have in a system.
-///
-/// # Errors
-///
-/// [`OperatorError::Mass`] for the first vertex with faces whose mass is not
-/// positive.
 pub(super) fn give_isolated(mesh: &TriMesh, mass: &mut [f64]) -> Result<(), OperatorError> {
     let (mean, offsets) = (mean(mass), mesh.incidence().offsets());
     for (v, m) in mass.iter_mut().enumerate() {
@@ -139,9 +134,6 @@ pub(super) fn give_isolated(mesh: &TriMesh, mass: &mut [f64]) -> Result<(), Oper
     Ok(())
 }
 
-/// # Errors
-///
-/// [`OperatorError::Mass`] for a mass that is not positive.
 pub(super) fn positive(vertex: u32, mass: f64) -> Result<(), OperatorError> {
     if mass > 0.0 { Ok(()) } else { Err(OperatorError::Mass { vertex, mass }) }
 }

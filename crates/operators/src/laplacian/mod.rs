@@ -26,7 +26,7 @@ use fairing_mesh::{PolygonMesh, TriMesh};
 use fairing_sparse::{SparseMatrix, combine, multiply};
 
 use crate::error::OperatorError;
-use crate::intrinsic::{IntrinsicFaces, RobustLaplacian, RobustOptions, robust_laplacian};
+use crate::intrinsic::{IntrinsicFaces, RobustLaplacian, robust_laplacian};
 use crate::kind::{LaplacianKind, MassKind};
 use crate::polygon::{PolygonLaplacian, polygon_laplacian};
 use crate::stiffness;
@@ -210,9 +210,8 @@ impl Laplacian {
         if mass_kind != MassKind::Barycentric {
             return Err(mass::refused(kind, mass_kind));
         }
-        let robust = robust_laplacian(mesh, RobustOptions::default())?;
         let RobustLaplacian { stiffness, mass, added_length, mollified, flips, stuck, faces } =
-            robust;
+            robust_laplacian(mesh)?;
         Ok(Self {
             asked,
             kind,
@@ -335,9 +334,6 @@ impl Laplacian {
         Ok(combine(1.0, mass.as_mass(), time, &self.stiffness))
     }
 
-    /// # Errors
-    ///
-    /// [`OperatorError::Length`] for another length than there are vertices.
     fn check_length(&self, found: usize) -> Result<(), OperatorError> {
         let expected = self.vertex_count();
         if found == expected { Ok(()) } else { Err(OperatorError::Length { found, expected }) }

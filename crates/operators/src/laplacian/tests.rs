@@ -39,7 +39,7 @@ fn parts_are_those_of_the_free_functions() {
             assert_eq!((found.kind(), found.isolated()), (kind, &[0][..]));
         }
     }
-    let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
+    let robust = robust_laplacian(&mesh).unwrap();
     let found = Laplacian::robust(&mesh).unwrap();
     assert_eq!(found.stiffness(), &robust.stiffness);
     assert_eq!(found.mass(), &MassMatrix::Lumped(robust.mass));

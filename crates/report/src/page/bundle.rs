@@ -7,10 +7,6 @@ use anyhow::{Result, bail};
 ///
 /// A module imports by name, a line for each file, and marks exports with the word `export` at the
 /// beginning of a line; names of the top level differ between modules.
-///
-/// # Errors
-///
-/// A module that imports one that does not come before it.
 pub(super) fn bundled(modules: &[(&str, &str)]) -> Result<String> {
     let mut script = String::new();
     for (i, (name, text)) in modules.iter().enumerate() {

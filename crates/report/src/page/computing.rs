@@ -17,10 +17,6 @@ const WORKER: [(&str, &str); 2] = [
 ];
 
 /// The elements of a page that hold a gzip-compressed module and the script of its worker.
-///
-/// # Errors
-///
-/// Scripts that import one another in a circle.
 pub(super) fn elements(module: &[u8]) -> Result<String> {
     Ok(format!(
         "<script id=\"module\" type=\"text/plain\">{}</script>\n\

@@ -96,10 +96,6 @@ pub(super) fn figure_id(record: &Record, figure: &str) -> String {
 
 /// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; any
 /// other as an image with its size, so that the page does not jump when it loads.
-///
-/// # Errors
-///
-/// If a file cannot be read, or is no picture.
 pub(super) fn image(figure: &FigureFile, folder: &Path) -> Result<String> {
     if let Some(path) = &figure.svg {
         let read = fs::read_to_string(folder.join(path));
@@ -120,10 +116,6 @@ pub(super) fn image(figure: &FigureFile, folder: &Path) -> Result<String> {
 }
 
 /// A PNG file as an image.
-///
-/// # Errors
-///
-/// If it cannot be read, or is no picture.
 pub(super) fn png(path: &str, alt: &str, folder: &Path) -> Result<String> {
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;

@@ -34,10 +34,6 @@ const OWN_STYLE: &str = include_str!("../../assets/laboratory/style.css");
 const BODY: &str = include_str!("../../assets/laboratory/body.html");
 
 /// The laboratory with a gzip-compressed module.
-///
-/// # Errors
-///
-/// Scripts that import one another in a circle.
 pub fn laboratory(module: &[u8]) -> Result<String> {
     let drawing = DRAWING.map(|text| format!("<script>{}</script>\n", compact(text))).concat();
     Ok(format!(

@@ -67,10 +67,6 @@ const MATH: &[u8] = include_bytes!("../../assets/math.woff2");
 
 /// The page. `folder` holds the files of the report, whose pictures are put
 /// into the page, or linked if the report is small.
-///
-/// # Errors
-///
-/// If a picture or the data of a view cannot be read, or a formula is not TeX.
 pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results);
     main += &claims(results);

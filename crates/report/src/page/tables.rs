@@ -16,10 +16,6 @@ use fairing_results::table::{Cell, Table, Unit};
 ///
 /// What is folded stands in a `<noscript>`, which the page's script opens with the fold, so that
 /// thousands of cells are no elements until they are asked for.
-///
-/// # Errors
-///
-/// If a CSV file cannot be read.
 pub(super) fn tables(record: &Record, folder: &Path) -> Result<[String; 2]> {
     let one = |t: &Table, folded: bool| {
         let csv = format!("{}/{}.csv", record.id, t.id);

@@ -29,10 +29,6 @@ pub(super) fn color_maps(maps: &[ColorMap]) -> String {
 /// unique on the page, `fallback` the id of the picture that takes its place
 /// on paper and where there is no WebGL, `paper` that picture if it has no
 /// place of its own.
-///
-/// # Errors
-///
-/// If the file cannot be read.
 pub(super) fn figure(
     view: &ViewFile,
     id: &str,

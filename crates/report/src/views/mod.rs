@@ -15,11 +15,6 @@ use pack::{Pack, Quantiser};
 pub(crate) use script::Packed;
 
 /// Packs a view; `id` is unique on the page.
-///
-/// # Errors
-///
-/// If a panel is empty, has positions that are not finite, or values that do
-/// not match its vertices.
 pub(crate) fn pack(view: &View, id: &str) -> Result<Packed> {
     let (about, data) = describe(view).with_context(|| format!("view {id}"))?;
     Ok(Packed { about, data })

@@ -42,14 +42,10 @@ struct Entry {
 }
 
 /// Generates every mesh and the manifest.
-///
-/// # Errors
-///
-/// A file that cannot be written.
 pub(crate) fn generate(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)?;
     let mut entries = vec![];
-    for input in Input::WITH_STAND_IN {
+    for input in Input::with_stand_in() {
         let (Some(name), Some(stand_in)) = (input.stand_in(), stand_ins::for_input(input)) else {
             continue;
         };
@@ -76,15 +72,11 @@ pub(crate) fn generate(folder: &Path) -> Result<()> {
 
 /// Returns the files of the folder that differ from the manifest, or from the meshes of the
 /// generators by more than a millionth of the size of the mesh.
-///
-/// # Errors
-///
-/// A manifest that cannot be read.
 pub(crate) fn check(folder: &Path) -> Result<Vec<String>> {
     let text = fs::read_to_string(folder.join(MANIFEST)).context("reading the manifest")?;
     let manifest: Manifest = toml::from_str(&text).context("reading the manifest")?;
     let mut wrong = vec![];
-    for input in Input::WITH_STAND_IN {
+    for input in Input::with_stand_in() {
         let (Some(file), Some(stand_in)) = (input.stand_in(), stand_ins::for_input(input)) else {
             continue;
         };
@@ -108,7 +100,7 @@ pub(crate) fn check(folder: &Path) -> Result<Vec<String>> {
             wrong.push(format!("{file} is not what its generator makes"));
         }
     }
-    let stand_ins = Input::WITH_STAND_IN.iter().filter_map(|i| i.stand_in());
+    let stand_ins = Input::with_stand_in().filter_map(Input::stand_in);
     let known: BTreeSet<&str> = stand_ins.chain([MANIFEST]).collect();
     for entry in fs::read_dir(folder)? {
         let name = entry?.file_name().to_string_lossy().into_owned();

@@ -37,10 +37,6 @@ struct Counts {
 
 impl View {
     /// The contents of the file.
-    ///
-    /// # Errors
-    ///
-    /// If the description cannot be written as JSON.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let counts = self.panels.iter().map(|panel| Counts {
             positions: panel.positions.iter().map(Vec::len).collect(),
@@ -72,10 +68,6 @@ impl View {
     }
 
     /// Reads what [`Self::to_bytes`] has written.
-    ///
-    /// # Errors
-    ///
-    /// If this is something else.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut rest = Rest(bytes);
         let length = u64::from_le_bytes(rest.array()?);

@@ -174,7 +174,7 @@ pub enum Time {
 
 impl Time {
     /// The time in squared mesh units for the mean edge length `h`.
-    pub fn in_squared_units(self, h: f64) -> f64 {
+    pub(crate) fn in_squared_units(self, h: f64) -> f64 {
         match self {
             Self::SquaredUnits(t) => t,
             Self::SquaredEdges(lambda) => lambda * h * h,

@@ -1,8 +1,7 @@
 //! Implicit steps by Cholesky factorisation.
 
 use fairing_sparse::{
-    Cholesky, GraphLaplacian, Ordering, SolverChoice, SparseError, SparseMatrix, SymbolicCholesky,
-    Workload,
+    Cholesky, GraphLaplacian, Ordering, SparseError, SparseMatrix, SymbolicCholesky, Workload,
 };
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
@@ -28,7 +27,7 @@ const ILL_CONDITIONED: f64 = 1e6;
 const LONG: f64 = 100.0;
 
 /// Returns true if a run of implicit steps should be factored: if factorisation is faster than
-/// conjugate gradients by the measured rule of [`SolverChoice`], or if the system is too
+/// conjugate gradients by the measured rule of [`Workload`], or if the system is too
 /// ill-conditioned to iterate.
 ///
 /// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with
@@ -45,12 +44,11 @@ pub(crate) fn pays(
     let work = Workload {
         rows: laplacian.len(),
         entries: laplacian.entries(),
-        factor_entries: None,
         condition: 1.0 + step * bound,
         tolerance: (tolerance / CHANGE).min(1.0),
         solves,
     };
-    work.condition > ILL_CONDITIONED || SolverChoice::choose(&work) == SolverChoice::Direct
+    work.condition > ILL_CONDITIONED || work.prefers_factorisation()
 }
 
 /// The factored systems of a run, without fixed vertices but with soft constraints.

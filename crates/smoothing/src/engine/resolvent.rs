@@ -71,10 +71,6 @@ impl Resolvent {
     }
 
     /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Direct::solve`].
     pub(crate) fn apply(
         &self,
         laplacian: &GraphLaplacian,

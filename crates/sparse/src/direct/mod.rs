@@ -23,4 +23,4 @@ pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph_system::GraphSystem;
 pub use ldlt::{Inertia, Ldlt};
 pub use ordering::Ordering;
-pub use solver_choice::{SolverChoice, Workload, shifted_condition};
+pub use solver_choice::Workload;

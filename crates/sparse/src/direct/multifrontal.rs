@@ -20,7 +20,7 @@ struct Rest<'a> {
     rows: &'a [u32],
 }
 
-/// Writes the columns of L into `values`, by supernodes, with D on the diagonal. `entries` are the
+/// Writes the columns of L into `values`, zeros before, by supernodes, with D on the diagonal. `entries` are the
 /// values of A, each multiplied by `scale`.
 ///
 /// # Errors
@@ -31,17 +31,11 @@ pub(crate) fn factorize(
     entries: &[f64],
     scale: f64,
     definite: bool,
-    values: &mut Vec<f64>,
+    values: &mut [f64],
 ) -> Result<(), Stop> {
     let matrix = Matrix { nodes, entries, scale, definite };
-    if values.is_empty() {
-        // Zeros that the system has at hand.
-        *values = vec![0.0; nodes.value_count()];
-    } else {
-        values.fill(0.0);
-    }
     let (mut parts, mut top) = (vec![], vec![]);
-    let mut left = values.as_mut_slice();
+    let mut left = values;
     let mut take = |range: std::ops::Range<usize>| {
         let (own, after) = std::mem::take(&mut left).split_at_mut(range.len());
         left = after;

@@ -23,18 +23,6 @@
 //! 20 numbers per row in all.
 
 use crate::direct::ordering;
-use crate::mass::Mass;
-use crate::matrix::{Rows, SparseMatrix};
-
-/// A kind of solver for symmetric positive definite systems.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SolverChoice {
-    /// Sparse Cholesky: [`Cholesky`](crate::Cholesky).
-    Direct,
-    /// Conjugate gradients with the diagonal as preconditioner:
-    /// [`ConjugateGradient`](crate::ConjugateGradient).
-    Iterative,
-}
 
 /// Properties of the systems to solve that decide between the solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,12 +31,7 @@ pub struct Workload {
     pub rows: usize,
     /// Entries of the matrix.
     pub entries: usize,
-    /// Entries of its Cholesky factor if known, as from
-    /// [`SymbolicCholesky::factor_entries`](crate::SymbolicCholesky::factor_entries); `None`
-    /// assumes those of a surface mesh, n (5.5 log₂ n − 35) for n rows.
-    pub factor_entries: Option<usize>,
-    /// Condition κ of the matrix scaled to a unit diagonal; [`shifted_condition`] estimates it for
-    /// M + tS.
+    /// Condition κ of the matrix scaled to a unit diagonal.
     pub condition: f64,
     /// Residual to reach, relative to the initial one. Cholesky solves to rounding.
     pub tolerance: f64,
@@ -64,99 +47,40 @@ const SOLVE: f64 = 1.8;
 const ITERATE: f64 = 1.6;
 /// Iterations of conjugate gradients as a fraction of Chebyshev's bound.
 const EARLY: f64 = 0.9;
-/// Upper end of the spectrum of D⁻¹S on closed triangle meshes.
-const JACOBI_BOUND: f64 = 1.5;
 
 impl Workload {
-    /// The workload of α M + β S, the matrix that [`combine`](crate::combine) returns for the same
-    /// arguments, to a residual of 10⁻¹⁰.
-    pub fn combined(
-        alpha: f64,
-        mass: Mass<'_>,
-        beta: f64,
-        s: &SparseMatrix,
-        solves: usize,
-    ) -> Self {
-        Self {
-            rows: s.rows(),
-            entries: s.nnz(),
-            factor_entries: None,
-            condition: shifted_condition(mass, beta / alpha, s),
-            tolerance: 1e-10,
-            solves,
-        }
-    }
-
-    /// Expected iterations of conjugate gradients in one solve: 0.9 · ½ √κ ln (2/ε), at most one
-    /// per row.
-    pub fn iterations(&self) -> f64 {
-        let digits = libm::log(2.0 / self.tolerance.clamp(f64::EPSILON, 1.0));
-        (EARLY * 0.5 * self.condition.max(1.0).sqrt() * digits).clamp(1.0, self.rows.max(1) as f64)
-    }
-
-    /// Estimated time of the analysis, one factorisation and all solves, in nanoseconds.
-    pub fn direct_cost(&self) -> f64 {
-        let n = self.rows as f64;
-        let guess = ordering::usual_fill(self.rows);
-        let entries = self.factor_entries.map_or(guess, |e| e as f64);
-        // Factorisation work grows with the square of the column lengths.
-        let fuller = (entries / guess.max(1.0)).powi(2);
-        let factorise = n * (FACTORISE.0 + FACTORISE.1 * n.sqrt()) * fuller;
-        factorise + self.solves as f64 * SOLVE * entries
-    }
-
-    /// Estimated time of all solves by conjugate gradients, in nanoseconds.
-    pub fn iterative_cost(&self) -> f64 {
-        self.solves as f64 * self.iterations() * ITERATE * self.entries as f64
-    }
-}
-
-impl SolverChoice {
-    /// The solver with the smaller estimated time.
+    /// Returns true if [`Cholesky`](crate::Cholesky), with the factor of a surface mesh, is
+    /// expected to be faster than [`ConjugateGradient`](crate::ConjugateGradient).
     ///
     /// # Examples
     ///
     /// ```
-    /// use fairing_sparse::{SolverChoice, Workload};
+    /// use fairing_sparse::Workload;
     /// let step = Workload {
     ///     rows: 10_000,
     ///     entries: 70_000,
-    ///     factor_entries: None,
     ///     condition: 6.0,
     ///     tolerance: 1e-10,
     ///     solves: 1,
     /// };
     /// // A factorisation pays for one long step of a flow or for many, but not for a short one.
-    /// assert_eq!(SolverChoice::choose(&step), SolverChoice::Iterative);
-    /// let long = Workload { condition: 6000.0, ..step };
-    /// assert_eq!(SolverChoice::choose(&long), SolverChoice::Direct);
-    /// assert_eq!(SolverChoice::choose(&Workload { solves: 50, ..step }), SolverChoice::Direct);
+    /// assert!(!step.prefers_factorisation());
+    /// assert!(Workload { condition: 6000.0, ..step }.prefers_factorisation());
+    /// assert!(Workload { solves: 50, ..step }.prefers_factorisation());
     /// ```
-    pub fn choose(work: &Workload) -> Self {
-        if work.iterative_cost() < work.direct_cost() { Self::Iterative } else { Self::Direct }
+    pub fn prefers_factorisation(&self) -> bool {
+        let (rows, solves) = (self.rows as f64, self.solves as f64);
+        let direct = rows * (FACTORISE.0 + FACTORISE.1 * rows.sqrt())
+            + solves * SOLVE * ordering::usual_fill(self.rows);
+        solves * self.iterations() * ITERATE * self.entries as f64 >= direct
     }
-}
 
-/// An estimate of κ for M + tS scaled to a unit diagonal: 3/2 (1 + t q) with q the ninth decile of
-/// Sᵢᵢ / Mᵢᵢ.
-///
-/// On an equilateral mesh with edges h, Sᵢᵢ / Mᵢᵢ = 4/h². The rows beyond the decile add few
-/// iterations, like isolated eigenvalues. Infinite if t or a quotient is.
-///
-/// # Panics
-///
-/// Panics if the mass has fewer rows than S.
-pub fn shifted_condition(mass: Mass<'_>, t: f64, stiffness: &SparseMatrix) -> f64 {
-    let mass = mass.diagonal();
-    let diagonal = Rows::new(stiffness).diagonal();
-    let mut quotients: Vec<f64> =
-        (0..diagonal.len()).map(|i| (diagonal[i] / mass[i]).max(0.0)).collect();
-    if quotients.is_empty() {
-        return 1.0;
+    /// Expected iterations of conjugate gradients in one solve: 0.9 · ½ √κ ln (2/ε), at most one
+    /// per row.
+    fn iterations(&self) -> f64 {
+        let digits = libm::log(2.0 / self.tolerance.clamp(f64::EPSILON, 1.0));
+        (EARLY * 0.5 * self.condition.max(1.0).sqrt() * digits).clamp(1.0, self.rows.max(1) as f64)
     }
-    let place = quotients.len() * 9 / 10;
-    let (_, decile, _) = quotients.select_nth_unstable_by(place, f64::total_cmp);
-    (JACOBI_BOUND * (1.0 + t * *decile)).max(1.0)
 }
 
 #[cfg(test)]
@@ -167,7 +91,6 @@ mod tests {
         Workload {
             rows,
             entries: 7 * rows,
-            factor_entries: None,
             condition: 1.5 * (1.0 + 4.0 * t),
             tolerance: 1e-10,
             solves,
@@ -201,42 +124,10 @@ mod tests {
         ] {
             let work = mesh(rows, t, solves);
             let (direct, iterative) = (factorise + solves as f64 * solve, solves as f64 * iterate);
-            let faster =
-                if direct < iterative { SolverChoice::Direct } else { SolverChoice::Iterative };
             if f64::max(direct / iterative, iterative / direct) > 1.5 {
-                assert_eq!(
-                    SolverChoice::choose(&work),
-                    faster,
-                    "{rows} rows, t = {t} h², {solves}"
-                );
+                let is_direct = work.prefers_factorisation();
+                assert_eq!(is_direct, direct < iterative, "{rows} rows, t = {t} h², {solves}");
             }
         }
-    }
-
-    /// A factor known to be fuller than a mesh's moves the choice.
-    #[test]
-    fn fill_counts() {
-        let work = Workload { rows: 20_000, entries: 140_000, ..mesh(20_000, 100.0, 1) };
-        assert_eq!(SolverChoice::choose(&work), SolverChoice::Direct);
-        let full = Workload { factor_entries: Some(20_000 * 400), ..work };
-        assert_eq!(SolverChoice::choose(&full), SolverChoice::Iterative);
-    }
-
-    #[test]
-    fn conditions_follow_the_step() {
-        // Path of four: Sᵢᵢ = 1, 2, 2, 1.
-        let mut t = sprs::TriMatI::<f64, u32>::new((4, 4));
-        for i in 0..3 {
-            for (a, b, v) in [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]
-            {
-                t.add_triplet(a, b, v);
-            }
-        }
-        let s: SparseMatrix = t.to_csr();
-        let m = [2.0; 4];
-        assert_eq!(shifted_condition(Mass::Lumped(&m), 0.0, &s), 1.5);
-        assert_eq!(shifted_condition(Mass::Lumped(&m), 5.0, &s), 1.5 * 6.0);
-        let work = Workload::combined(2.0, Mass::Lumped(&m), 10.0, &s, 1);
-        assert_eq!((work.rows, work.entries, work.condition), (4, 10, 9.0));
     }
 }

@@ -8,17 +8,16 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::ops::Range;
 
 use ndarray::Array2;
 
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
 use crate::eigen::{Beyond, EigenOptions, EigenPairs};
-use crate::eigen::{nullspace, solve, within};
+use crate::eigen::{nullspace, solve};
 use crate::error::SparseError;
 use crate::mass::Mass;
-use crate::matrix::{Rows, SparseMatrix};
+use crate::matrix::{self, Rows, SparseMatrix};
 
 /// Relative distance of the count above the last value of the merge: large enough for a reliable
 /// count, small enough that few extra pairs are computed.
@@ -67,32 +66,6 @@ pub fn smallest_eigenpairs(
         Some(parts) => smallest(parts, rows, count, options),
         None => solve::connected(stiffness, mass, count, options),
     }
-}
-
-/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
-///
-/// # Errors
-///
-/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`SparseError::Interval`].
-pub fn eigenpairs_within(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    interval: Range<f64>,
-    options: &EigenOptions,
-) -> Result<EigenPairs, SparseError> {
-    let (from, to) = (interval.start, interval.end);
-    if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(SparseError::Interval { from, to });
-    }
-    mass.check(stiffness.rows())?;
-    let Some(mut parts) = self::parts(stiffness, mass) else {
-        return within::connected(stiffness, mass, interval, options);
-    };
-    for part in &mut parts {
-        part.solve_within(interval.clone(), options)?;
-    }
-    let count = parts.iter().map(Part::pairs_of_all).sum();
-    Ok(assemble(&parts, stiffness.rows(), count))
 }
 
 /// A component, or several equal ones.
@@ -327,21 +300,6 @@ impl Part {
         hasher.finish()
     }
 
-    /// The eigenpairs within an interval.
-    fn solve_within(
-        &mut self,
-        interval: Range<f64>,
-        options: &EigenOptions,
-    ) -> Result<(), SparseError> {
-        self.pairs = within::connected(&self.stiffness, self.mass.view(), interval, options)?;
-        Ok(())
-    }
-
-    /// Known pairs over all copies.
-    fn pairs_of_all(&self) -> usize {
-        self.copies.len() * self.pairs.values.len()
-    }
-
     /// Known values, with or without vectors.
     fn known(&self) -> usize {
         self.pairs.values.len() + self.pairs.beyond.values.len()
@@ -401,21 +359,12 @@ impl PartMass {
 
 /// The diagonal block of the rows of one group. `places`: the group of each row and its index
 /// there.
-fn block(matrix: &SparseMatrix, keep: &[u32], places: &[(u32, u32)]) -> SparseMatrix {
-    let rows = Rows::new(matrix);
-    let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
-    for &row in keep {
-        let group = places[row as usize].0;
-        let (row_columns, row_values) = rows.row(row as usize);
-        for (&j, &value) in row_columns.iter().zip(row_values) {
-            if places[j as usize].0 == group {
-                columns.push(places[j as usize].1);
-                values.push(value);
-            }
-        }
-        starts.push(columns.len() as u32);
-    }
-    SparseMatrix::new((keep.len(), keep.len()), starts, columns, values)
+fn block(matrix: &SparseMatrix, rows: &[u32], places: &[(u32, u32)]) -> SparseMatrix {
+    let group = places[rows[0] as usize].0;
+    matrix::kept(matrix, rows, |j| {
+        let (other, place) = places[j as usize];
+        (other == group).then_some(place)
+    })
 }
 
 /// The rows of each component of S and M together, ascending, in the order of their first rows.

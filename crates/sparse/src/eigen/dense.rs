@@ -1,30 +1,12 @@
-//! All eigenpairs of a small problem by a dense decomposition.
-//!
-//! The backend decomposes M^(−1/2) S M^(−1/2); LAPACK (feature `lapack`) decomposes the pair (S,
-//! M). The two share no code, so that one verifies the other.
+//! All eigenpairs of a small problem by a dense decomposition of M^(−1/2) S M^(−1/2).
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
 use crate::direct::backend;
-use crate::eigen::DenseSolver;
 use crate::eigen::nullspace;
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
-
-/// Ascending eigenvalues, and M-orthonormal eigenvectors in the columns of an `n × n` array.
-pub(crate) fn all_eigenpairs(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    solver: DenseSolver,
-) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
-    let constants = constants(stiffness, mass);
-    match solver {
-        DenseSolver::Builtin => builtin(stiffness, mass, &constants),
-        #[cfg(feature = "lapack")]
-        DenseSolver::Lapack => lapack::all_eigenpairs(stiffness, mass, &constants),
-    }
-}
 
 /// The M-normalised constants that S maps to zero.
 fn constants(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<f64>> {
@@ -40,11 +22,12 @@ fn constants(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn builtin(
+/// Ascending eigenvalues, and M-orthonormal eigenvectors in the columns of an `n × n` array.
+pub(crate) fn all_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
-    constants: &[Vec<f64>],
 ) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
+    let constants = constants(stiffness, mass);
     let (n, count) = (stiffness.rows(), constants.len());
     let root = inverse_root(mass)?;
     let t = root.multiply(&stiffness.to_dense());
@@ -56,7 +39,7 @@ fn builtin(
         lift if lift > 0.0 => lift,
         _ => 1.0,
     };
-    for constant in constants {
+    for constant in &constants {
         // M^(1/2) c = M^(−1/2) M c.
         let u = root.multiply_vector(&mass.times(constant));
         for i in 0..n {
@@ -69,47 +52,14 @@ fn builtin(
     values.truncate(n - count);
     values.splice(0..0, std::iter::repeat_n(0.0, count));
     let mut modes = Array2::zeros((n, n));
-    put_constants(&mut modes, constants);
+    for (k, constant) in constants.iter().enumerate() {
+        modes.column_mut(k).assign(&ArrayView1::from(constant));
+    }
     let rest = root.multiply(&vectors);
     for k in count..n {
         modes.column_mut(k).assign(&rest.column(k - count));
     }
     Ok((values, modes))
-}
-
-fn put_constants(modes: &mut Array2<f64>, constants: &[Vec<f64>]) {
-    for (k, constant) in constants.iter().enumerate() {
-        for (i, &c) in constant.iter().enumerate() {
-            modes[[i, k]] = c;
-        }
-    }
-}
-
-#[cfg(feature = "lapack")]
-mod lapack {
-    use ndarray_linalg::{Eigh, UPLO};
-
-    use super::{Array2, Mass, SparseError, SparseMatrix, put_constants};
-
-    /// By `dsygv`, which uses a Cholesky factor of M instead of its square root.
-    pub(super) fn all_eigenpairs(
-        stiffness: &SparseMatrix,
-        mass: Mass<'_>,
-        constants: &[Vec<f64>],
-    ) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
-        let m = match mass {
-            Mass::Lumped(diagonal) => Array2::from_diag(&ndarray::ArrayView1::from(diagonal)),
-            Mass::Consistent(matrix) => matrix.to_dense(),
-        };
-        let (values, (mut modes, _)) = (stiffness.to_dense(), m)
-            .eigh(UPLO::Lower)
-            .map_err(|_| SparseError::Dense { rows: stiffness.rows() })?;
-        let mut values = values.to_vec();
-        // S is semi-definite: for each constant, one of the smallest is zero up to rounding.
-        values[..constants.len()].fill(0.0);
-        put_constants(&mut modes, constants);
-        Ok((values, modes))
-    }
 }
 
 /// M^(−1/2).
@@ -154,7 +104,7 @@ impl InverseRoot {
     fn multiply_vector(&self, x: &[f64]) -> Vec<f64> {
         match self {
             Self::Diagonal(d) => d.iter().zip(x).map(|(d, x)| d * x).collect(),
-            Self::Full(root) => root.dot(&ndarray::ArrayView1::from(x)).to_vec(),
+            Self::Full(root) => root.dot(&ArrayView1::from(x)).to_vec(),
         }
     }
 }

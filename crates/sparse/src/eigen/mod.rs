@@ -22,11 +22,10 @@ mod run;
 mod shift;
 mod slices;
 mod solve;
-mod within;
 
 use ndarray::Array2;
 
-pub use components::{eigenpairs_within, smallest_eigenpairs};
+pub use components::smallest_eigenpairs;
 
 /// Allowed ratio of a measured residual to the tolerance: residuals in a group of multiple
 /// eigenvalues include those of their neighbours.
@@ -45,53 +44,16 @@ pub struct EigenOptions {
     pub seed: u64,
     /// Maximum number of blocks of eight vectors in each slice.
     pub max_blocks: usize,
-    /// Verification of the number of eigenvalues by an extra factorisation.
-    pub count: Count,
     /// Problems with at most this many rows are solved densely, and with up to four times as many
     /// if a quarter of the eigenvalues is wanted.
     pub dense_rows: usize,
     /// Maximum number of eigenpairs of one Lanczos run; further pairs are computed slice by slice.
     pub slice: usize,
-    /// Solver of dense problems.
-    pub dense: DenseSolver,
-}
-
-/// Solver of dense eigenproblems.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum DenseSolver {
-    /// The backend of this crate, on M^(−1/2) S M^(−1/2).
-    #[default]
-    Builtin,
-    /// The LAPACK of the system, on the pair (S, M).
-    #[cfg(feature = "lapack")]
-    Lapack,
-}
-
-/// Verification of the number of eigenvalues.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Count {
-    /// By the inertia of S − σM with σ just above the last eigenvalue: proves that none was missed.
-    Certified,
-    /// None; saves a factorisation.
-    Unchecked,
 }
 
 impl Default for EigenOptions {
     fn default() -> Self {
-        Self {
-            tolerance: 1e-9,
-            seed: 0,
-            max_blocks: 2000,
-            count: Count::Certified,
-            dense_rows: 400,
-            slice: 320,
-            dense: DenseSolver::default(),
-        }
+        Self { tolerance: 1e-9, seed: 0, max_blocks: 2000, dense_rows: 400, slice: 320 }
     }
 }
 

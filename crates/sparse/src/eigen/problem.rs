@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::direct::cholesky::{Cholesky, SymbolicCholesky};
-use crate::direct::factor::LANES;
+use crate::direct::factor::{Factor, LANES};
 use crate::direct::ldlt::Ldlt;
 use crate::direct::ordering::{self, Ordering};
 use crate::eigen::basis::{self, Block, Small, products, weighted_products};
@@ -48,7 +48,7 @@ enum UnorderedMass {
 
 enum OrderedMass {
     Lumped(Vec<f64>),
-    Consistent { matrix: SparseMatrix, factor: Cholesky },
+    Consistent { matrix: SparseMatrix, factor: Factor },
 }
 
 impl Problem {
@@ -79,7 +79,7 @@ impl Problem {
                 let matrix = permuted(matrix, order);
                 let factor = Cholesky::new(&matrix)
                     .map_err(|source| SparseError::ConsistentMass(Box::new(source)))?;
-                OrderedMass::Consistent { matrix, factor }
+                OrderedMass::Consistent { matrix, factor: factor.into_factor() }
             }
         };
         let constants = nullspace::constant_components(Rows::new(&stiffness));
@@ -181,7 +181,7 @@ impl Problem {
                 let columns = x.as_flattened_mut();
                 // An n × LANES array over the same numbers: the shape fits by construction.
                 if let Ok(view) = ndarray::ArrayViewMut2::from_shape((r.len(), LANES), columns) {
-                    factor.solve_block_in_place(view);
+                    factor.solve_block(view);
                 }
                 x
             }

@@ -12,7 +12,7 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
-use crate::eigen::{Beyond, Count, EigenOptions, EigenPairs, SLACK};
+use crate::eigen::{Beyond, EigenOptions, EigenPairs, SLACK};
 use crate::error::SparseError;
 /// Error of a diagonal entry in ε: a sum of six terms, and as many in the elimination.
 const DIAGONAL_ROUNDINGS: f64 = 4.0;
@@ -63,15 +63,10 @@ impl Found {
         self.blocks.iter().enumerate().flat_map(of).collect()
     }
 
-    /// The number of pairs `from .. to` with residuals above both the tolerance and the rounding.
-    pub(crate) fn unsettled(
-        &self,
-        problem: &Problem,
-        from: usize,
-        to: usize,
-        tolerance: f64,
-    ) -> usize {
-        self.above_limit(problem, &self.residuals(problem), from..to, tolerance)
+    /// The number of the first `count` pairs with residuals above both the tolerance and the
+    /// rounding.
+    pub(crate) fn unsettled(&self, problem: &Problem, count: usize, tolerance: f64) -> usize {
+        self.above_limit(problem, &self.residuals(problem), count, tolerance)
     }
 
     /// Returns true if rounding of the diagonal of S, in its entries or its factor, moves an
@@ -106,16 +101,16 @@ impl Found {
         &self,
         problem: &Problem,
         residuals: &[f64],
-        pairs: std::ops::Range<usize>,
+        count: usize,
         tolerance: f64,
     ) -> usize {
-        let largest = self.lambdas[pairs.clone()].iter().fold(0.0, |m: f64, l| m.max(*l));
+        let largest = self.lambdas[..count].iter().fold(0.0, |m: f64, l| m.max(*l));
         // [`EigenOptions::residual_limit`].
         let limit = SLACK * tolerance * largest;
         let mut above = 0;
         for (b, block) in self.blocks.iter().enumerate() {
             let suspects: Vec<usize> = (0..LANES)
-                .filter(|lane| pairs.contains(&(b * LANES + lane)))
+                .filter(|lane| b * LANES + lane < count)
                 .filter(|lane| {
                     let residual = residuals[b * LANES + lane];
                     residual.is_nan() || residual > limit
@@ -132,7 +127,7 @@ impl Found {
         above
     }
 
-    /// Pairs `from .. to` in the caller's units and order, with measured residuals.
+    /// The first `count` pairs in the caller's units and order, with measured residuals.
     ///
     /// # Errors
     ///
@@ -141,38 +136,34 @@ impl Found {
     pub(crate) fn finish(
         self,
         problem: &Problem,
-        from: usize,
-        to: usize,
+        count: usize,
         tolerance: f64,
     ) -> Result<EigenPairs, SparseError> {
         let residuals = self.residuals(problem);
-        let unsettled = self.above_limit(problem, &residuals, from..to, tolerance);
+        let unsettled = self.above_limit(problem, &residuals, count, tolerance);
         if unsettled > 0 {
-            let wanted = to - from;
-            let blocks = self.blocks.len();
             return Err(SparseError::PairsNotConverged {
-                converged: wanted - unsettled,
-                wanted,
-                blocks,
+                converged: count - unsettled,
+                wanted: count,
+                blocks: self.blocks.len(),
             });
         }
         let residuals = self.with_rounding(problem, residuals, tolerance);
-        let mut vectors = Array2::zeros((problem.rows(), to - from));
+        let mut vectors = Array2::zeros((problem.rows(), count));
         for (k, &row) in problem.order().iter().enumerate() {
             let mut out = vectors.row_mut(row as usize);
-            for (j, value) in out.iter_mut().enumerate() {
-                let i = from + j;
+            for (i, value) in out.iter_mut().enumerate() {
                 *value = self.blocks[i / LANES][k][i % LANES] / problem.norm_unit();
             }
         }
         let scaled = |values: &[f64]| values.iter().map(|v| v * problem.unit).collect();
         Ok(EigenPairs {
-            values: scaled(&self.lambdas[from..to]),
+            values: scaled(&self.lambdas[..count]),
             vectors,
-            residuals: scaled(&residuals[from..to]),
+            residuals: scaled(&residuals[..count]),
             certified: self.certified,
             beyond: Beyond {
-                values: scaled(&self.lambdas[to..]),
+                values: scaled(&self.lambdas[count..]),
                 clear_below: self.clear_below * problem.unit,
             },
         })
@@ -343,14 +334,7 @@ impl<'a> Run<'a> {
             };
             let from = candidates[g - 1].lambda;
             let to = candidates.get(g).map_or(1.01 * from, |next| next.lambda);
-            let counted = match self.options.count {
-                Count::Certified => count_in_gap(self.problem, from, to)?,
-                Count::Unchecked => Counted {
-                    count: constants + g,
-                    shift: from + 0.25 * (to - from),
-                    ..Counted::NONE
-                },
-            };
+            let counted = count_in_gap(self.problem, from, to)?;
             if counted.count == constants + g {
                 candidates.truncate(g);
                 let chosen: Vec<usize> = candidates.iter().map(|c| c.index).collect();

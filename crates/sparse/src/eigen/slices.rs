@@ -34,25 +34,23 @@ pub(crate) fn continue_upwards(
     let half = counted / 2;
     let spacing = (shift - found.lambdas[half]) / (counted - half) as f64;
     let mut slices = Slices { problem, from: shift, counted, options };
-    slices.up_to(found, None, wanted, spacing * options.slice as f64)
+    slices.up_to(found, wanted, spacing * options.slice as f64)
 }
 
-pub(crate) struct Slices<'a> {
-    pub(crate) problem: &'a Problem,
+struct Slices<'a> {
+    problem: &'a Problem,
     /// All pairs below are known.
-    pub(crate) from: f64,
+    from: f64,
     /// Eigenvalues below `from`.
-    pub(crate) counted: usize,
-    pub(crate) options: &'a EigenOptions,
+    counted: usize,
+    options: &'a EigenOptions,
 }
 
 impl Slices<'_> {
-    /// Solves windows until `wanted` eigenvalues lie below the last end, or the last end reaches
-    /// `end`.
-    pub(crate) fn up_to(
+    /// Solves windows until `wanted` eigenvalues lie below the last end.
+    fn up_to(
         &mut self,
         found: &mut Found,
-        end: Option<f64>,
         wanted: usize,
         mut width: f64,
     ) -> Result<(), SparseError> {
@@ -62,9 +60,6 @@ impl Slices<'_> {
             // Slightly more than needed, so that no tiny window remains.
             let fraction = (1.15 * missing / plan as f64).min(1.0);
             let mut to = self.from + width * fraction;
-            if let Some(end) = end {
-                to = if to > end - 0.2 * width * fraction { end } else { to };
-            }
             let mut next = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
             // Each cut shrinks the window by a third or more; only an eigenvalue of huge
             // multiplicity resists.

@@ -9,7 +9,7 @@ use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
 use crate::eigen::run::{Below, Found, Run};
-use crate::eigen::{Count, EigenOptions, EigenPairs, dense, shift, slices};
+use crate::eigen::{EigenOptions, EigenPairs, dense, shift, slices};
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
@@ -40,7 +40,7 @@ pub(crate) fn connected(
             slices::continue_upwards(&problem, &mut found, shift, count, options)?;
         }
     }
-    found.finish(&problem, 0, count, options.tolerance)
+    found.finish(&problem, count, options.tolerance)
 }
 
 fn dense_pairs(
@@ -50,7 +50,7 @@ fn dense_pairs(
     options: &EigenOptions,
 ) -> Result<EigenPairs, SparseError> {
     let problem = Problem::new(stiffness, mass)?;
-    let (values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
+    let (values, vectors) = dense::all_eigenpairs(stiffness, mass)?;
     let order = problem.order();
     let scale = problem.norm_unit();
     // The columns `first .. end` as blocks.
@@ -75,13 +75,13 @@ fn dense_pairs(
     };
     let constants = problem.constants.0;
     let strained = found.is_strained(&problem, options.tolerance);
-    let unsettled = strained || found.unsettled(&problem, 0, count, options.tolerance) > 0;
+    let unsettled = strained || found.unsettled(&problem, count, options.tolerance) > 0;
     if unsettled && constants < count {
         let basis = blocks(constants, stiffness.rows());
         let missing = count - constants;
         found = from_inverse(&problem, found, &basis, missing, strained)?;
     }
-    found.finish(&problem, 0, count, options.tolerance)
+    found.finish(&problem, count, options.tolerance)
 }
 
 /// Shifts tried until one matches the size of the last wanted eigenvalue.
@@ -175,13 +175,9 @@ fn run_from_below(
             operator = operator.exact();
             continue;
         }
-        if options.count == Count::Certified {
-            let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
-            let distance = counted.shift - nearest;
-            more.certified &= counted.is_sure(problem.strain(&vectors), distance);
-        } else {
-            more.certified = false;
-        }
+        let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
+        let distance = counted.shift - nearest;
+        more.certified &= counted.is_sure(problem.strain(&vectors), distance);
         *found = more;
         return Ok(counted.shift);
     }

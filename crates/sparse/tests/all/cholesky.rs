@@ -68,16 +68,6 @@ proptest! {
     }
 }
 
-#[test]
-fn log_determinant_of_a_shifted_path() {
-    // Eigenvalues 2 − 2 cos(πk/n) + 1.
-    let n = 50;
-    let factor = Cholesky::new(&shifted(&path(n), -1.0)).unwrap();
-    let expected: f64 =
-        (0..n).map(|k| (3.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos()).ln()).sum();
-    assert!((factor.log_determinant() - expected).abs() < 1e-12 * expected);
-}
-
 /// Slicing the spectrum of a cycle: double eigenvalues 2 − 2 cos(2πk/n).
 #[test]
 fn inertia_counts_eigenvalues_below_a_shift() {
@@ -116,10 +106,9 @@ fn symbolic_analysis_serves_changed_values() {
     let laplacian = grid(30, 20);
     let symbolic = SymbolicCholesky::new(&shifted(&laplacian, -1.0), Ordering::default()).unwrap();
     let x = random_vector(600, 1);
-    let mut factor = symbolic.factorize(&shifted(&laplacian, -1.0)).unwrap();
-    for sigma in [-1e-3, -5.0, -1e8] {
+    for sigma in [-1.0, -1e-3, -5.0, -1e8] {
         let a = shifted(&laplacian, sigma);
-        factor = factor.refactorize(&a).unwrap();
+        let factor = symbolic.factorize(&a).unwrap();
         assert!(distance(&factor.solve(&multiply(&a, &x)), &x) < 1e-10);
     }
     let other = shifted(&grid(20, 30), -1.0);

@@ -1,8 +1,7 @@
 //! Eigenpairs against known spectra; pairs are always checked with S φ = λ M φ itself.
 
 use fairing_sparse::{
-    Count, EigenOptions, EigenPairs, Mass, SparseError, SparseMatrix, eigenpairs_within,
-    multiply_block, smallest_eigenpairs,
+    EigenOptions, EigenPairs, Mass, SparseError, SparseMatrix, multiply_block, smallest_eigenpairs,
 };
 use ndarray::Array2;
 
@@ -105,26 +104,6 @@ fn slices_join_without_a_seam() {
     assert!(pairs.certified);
     check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
     compare(&pairs.values, &grid_eigenvalues(n, n));
-}
-
-#[test]
-fn an_interval_holds_what_lies_in_it() {
-    let s = grid(37, 41);
-    let n = s.rows();
-    let ones = vec![1.0; n];
-    let all = grid_eigenvalues(37, 41);
-    for (from, to) in [(-1.0, 0.05), (0.101, 0.3), (1.0001, 1.0999), (7.5, 9.0)] {
-        let options = EigenOptions { slice: 30, ..lanczos() };
-        let pairs = eigenpairs_within(&s, Mass::Lumped(&ones), from..to, &options).unwrap();
-        let expected: Vec<f64> = all.iter().copied().filter(|l| (from..to).contains(l)).collect();
-        assert_eq!(pairs.values.len(), expected.len(), "{from} to {to}");
-        check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
-        compare(&pairs.values, &expected);
-    }
-    assert!(matches!(
-        eigenpairs_within(&s, Mass::Lumped(&ones), 2.0..1.0, &lanczos()),
-        Err(SparseError::Interval { .. })
-    ));
 }
 
 /// Dense and Lanczos agree on random masses, lumped and consistent.
@@ -249,7 +228,7 @@ fn threads_do_not_change_bits() {
     let s = grid(90, 100);
     let ones = vec![1.0; 9000];
     let run = |threads: usize, seed: u64| {
-        let options = EigenOptions { seed, count: Count::Unchecked, ..Default::default() };
+        let options = EigenOptions { seed, ..Default::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| smallest_eigenpairs(&s, Mass::Lumped(&ones), 20, &options).unwrap())
     };
@@ -386,11 +365,6 @@ fn components_are_solved_apart() {
         }
         assert!(expected.get(k + next.len()).is_none_or(|l| *l >= pairs.beyond.clear_below));
     }
-    let pairs = eigenpairs_within(&s, mass, 1e-4..0.02, &EigenOptions::default()).unwrap();
-    let within: Vec<f64> = expected.into_iter().filter(|l| (1e-4..0.02).contains(l)).collect();
-    assert_eq!(pairs.values.len(), within.len());
-    compare(&pairs.values, &within);
-    check(&s, mass, &pairs, 1e-8);
 }
 
 /// Eighty equal arms joined at a hub: every second eigenvalue is 79-fold, in one component.

@@ -2,8 +2,7 @@
 
 use anyhow::Result;
 use fairing_figure::{
-    Axis, Figure, Legend, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Shape, Up,
-    Viewpoint,
+    Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Shape, Up, Viewpoint,
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
@@ -174,7 +173,6 @@ pub(super) fn decay(curves: Vec<Series>) -> Result<Picture> {
     let plot = Plot {
         x: Axis::log("modes k"),
         y: Axis::log("RMS displacement / diagonal"),
-        legend: Legend::Lines,
         series: curves,
         ..Plot::default()
     };
@@ -202,7 +200,6 @@ pub(super) fn eigenvalues(sphere: &Table, torus: &Table) -> Result<Picture> {
     let mut plot = Plot {
         x: Axis::log("mean edge length h"),
         y: Axis::log("relative error"),
-        legend: Legend::Lines,
         ..Plot::default()
     };
     let mut steepness = vec![];

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use fairing_denoising::{AutomaticOptions, BilateralNormalOptions, Denoiser, GuidedNormalOptions};
 use fairing_evaluation::{NoiseLevel, drift, feature_edges, normal_error};
-use fairing_figure::{
-    Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Shape, Up, Viewpoint,
-};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Shape, Up, Viewpoint};
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
@@ -268,7 +266,6 @@ fn curve(
             title: mesh.clone(),
             x: Axis::log("noise σ/h"),
             y: Axis::log(label),
-            legend: Legend::Lines,
             ..Plot::default()
         };
         let rows = table.only(&[("mesh", mesh.as_str().into())])?;

@@ -21,18 +21,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like: |bytes| bytes.starts_with(MAGIC),
     parse: assemble::parse,
     encode: encode::encode,
-    holds: Holds {
-        faces: true,
-        exact: false,
-        polygons: false,
-        colors: true,
-        normals: true,
-        fields: true,
-        face_fields: false,
-        texture: false,
-        binary: false,
-        float_widths: false,
-    },
+    holds: Holds { exact: false, polygons: false, fields: true, ..Holds::TEXT },
 };
 
 #[cfg(test)]

@@ -19,18 +19,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode: encode::encode,
-    holds: Holds {
-        faces: false,
-        exact: true,
-        polygons: false,
-        colors: true,
-        normals: true,
-        fields: true,
-        face_fields: false,
-        texture: false,
-        binary: true,
-        float_widths: true,
-    },
+    holds: Holds { binary: true, float_widths: true, ..Holds::POINTS },
 };
 
 /// Returns true if the first word after comments is that of a header, or the first comment names

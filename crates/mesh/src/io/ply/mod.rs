@@ -27,16 +27,12 @@ pub(super) const FORMAT: Row = Row {
     parse,
     encode: encode::encode,
     holds: Holds {
-        faces: true,
-        exact: true,
-        polygons: true,
-        colors: true,
-        normals: true,
         fields: true,
         face_fields: true,
         texture: true,
         binary: true,
         float_widths: true,
+        ..Holds::TEXT
     },
 };
 

@@ -18,18 +18,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode,
-    holds: Holds {
-        faces: true,
-        exact: false,
-        polygons: false,
-        colors: false,
-        normals: false,
-        fields: false,
-        face_fields: false,
-        texture: false,
-        binary: true,
-        float_widths: false,
-    },
+    holds: Holds { faces: true, binary: true, ..Holds::NOTHING },
 };
 
 /// Returns true for binary STL, known by its size, and for text that begins with

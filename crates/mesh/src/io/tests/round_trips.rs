@@ -6,8 +6,8 @@ use proptest::sample::{Index, subsequence};
 
 use crate::io::{
     Encoding, FaceFields, FloatWidth, Format, NumberType, ReadOptions, VertexFields, WriteOptions,
-    polygons_to_bytes, read, read_bytes, read_polygons, read_polygons_from, to_bytes, triangulate,
-    write_polygons,
+    read, read_bytes, read_polygons, read_polygons_from, to_bytes, triangulate, write_polygons,
+    write_polygons_to,
 };
 use crate::{PolygonMesh, TriMesh};
 
@@ -199,8 +199,10 @@ proptest! {
             for options in [WriteOptions::default(), WriteOptions::ascii()] {
                 let report = write_polygons(&path, &mesh, &fields, &options).unwrap();
                 if !name.ends_with(".gz") {
-                    let bytes = polygons_to_bytes(report.format, &mesh, &fields, &options);
-                    prop_assert_eq!(std::fs::read(&path).unwrap(), bytes.unwrap());
+                    let mut bytes = vec![];
+                    let (format, fields) = (report.format, &fields);
+                    write_polygons_to(&mut bytes, format, &mesh, fields, &options).unwrap();
+                    prop_assert_eq!(std::fs::read(&path).unwrap(), bytes);
                 }
                 let file = read_polygons(&path).unwrap();
                 prop_assert_eq!(&file.mesh, &mesh);
@@ -296,9 +298,10 @@ fn face_properties_follow_their_faces() {
     assert_eq!(texture, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0, 0.0, 2.0, 3.0]);
     let polygons = read_polygons_from(&file[..], None, &options).unwrap();
     assert_eq!(polygons.fields.faces.scalars[3].1, [100.0, 300.0]);
-    let written =
-        polygons_to_bytes(Format::Ply, &polygons.mesh, &polygons.fields, &WriteOptions::default());
-    let again = read_polygons_from(&written.unwrap()[..], None, &options).unwrap();
+    let (mut written, options_of_file) = (vec![], WriteOptions::default());
+    let (mesh, fields) = (&polygons.mesh, &polygons.fields);
+    write_polygons_to(&mut written, Format::Ply, mesh, fields, &options_of_file).unwrap();
+    let again = read_polygons_from(&written[..], None, &options).unwrap();
     assert_eq!((&again.mesh, &again.fields), (&polygons.mesh, &polygons.fields));
     assert_eq!(triangulate(&again.mesh, again.fields), (read.mesh, read.fields));
 }

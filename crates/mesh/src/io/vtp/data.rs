@@ -49,20 +49,13 @@ impl<'a> Decoder<'a> {
         array: &Array,
         expected: Option<usize>,
     ) -> Result<Vec<f64>, Fault> {
-        if let Content::Text(place) = &array.content {
-            let values = self.text(place, |cursor| cursor.float("a number"))?;
-            return self.counted(array, values, expected);
-        }
         let big_endian = self.document.big_endian;
-        let data = self.data(array)?;
-        self.take_budget(array, 8 * (data.len() / array.kind.size()))?;
-        let words = data.chunks_exact(array.kind.size());
-        let values = match array.kind {
-            ArrayType::Number(number) => words.map(|w| number.decode(big_endian, w)).collect(),
-            ArrayType::I64 => words.map(|w| word(w, 8, big_endian) as i64 as f64).collect(),
-            ArrayType::U64 => words.map(|w| word(w, 8, big_endian) as f64).collect(),
+        let decode = |w: &[u8]| match array.kind {
+            ArrayType::Number(number) => number.decode(big_endian, w),
+            ArrayType::I64 => word(w, 8, big_endian) as i64 as f64,
+            ArrayType::U64 => word(w, 8, big_endian) as f64,
         };
-        self.counted(array, values, expected)
+        self.numbers(array, expected, |cursor| cursor.float("a number"), decode)
     }
 
     /// The numbers of an array as integers; one that is too large becomes −1, which no vertex
@@ -72,28 +65,36 @@ impl<'a> Decoder<'a> {
         array: &Array,
         expected: Option<usize>,
     ) -> Result<Vec<i64>, Fault> {
-        if let Content::Text(place) = &array.content {
-            let values = self.text(place, |cursor| cursor.integer("an integer"))?;
-            return self.counted(array, values, expected);
+        let of_floats = matches!(array.kind, ArrayType::Number(NumberType::F32 | NumberType::F64));
+        if of_floats && !matches!(array.content, Content::Text(_)) {
+            let problem = unexpected(format!("integers in array {:?}", array.name), "floats");
+            return Err(self.fault(array, problem));
         }
         let big_endian = self.document.big_endian;
-        let data = self.data(array)?;
-        self.take_budget(array, 8 * (data.len() / array.kind.size()))?;
-        let words = data.chunks_exact(array.kind.size());
-        let values = match array.kind {
-            ArrayType::Number(NumberType::F32 | NumberType::F64) => {
-                let problem = unexpected(format!("integers in array {:?}", array.name), "floats");
-                return Err(self.fault(array, problem));
-            }
-            ArrayType::Number(number) => {
-                words.map(|w| number.decode_integer(big_endian, w)).collect()
-            }
-            ArrayType::I64 => words.map(|w| word(w, 8, big_endian) as i64).collect(),
-            ArrayType::U64 => {
-                words.map(|w| i64::try_from(word(w, 8, big_endian)).unwrap_or(-1)).collect()
-            }
+        let decode = |w: &[u8]| match array.kind {
+            ArrayType::Number(number) => number.decode_integer(big_endian, w),
+            ArrayType::I64 => word(w, 8, big_endian) as i64,
+            ArrayType::U64 => i64::try_from(word(w, 8, big_endian)).unwrap_or(-1),
         };
-        self.counted(array, values, expected)
+        self.numbers(array, expected, |cursor| cursor.integer("an integer"), decode)
+    }
+
+    /// The numbers of an array of text, or those decoded from its words.
+    fn numbers<T>(
+        &mut self,
+        array: &Array,
+        expected: Option<usize>,
+        parse: impl Fn(&mut Cursor<'_>) -> Result<T, Fault>,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, Fault> {
+        if let Content::Text(place) = &array.content {
+            let values = self.text(place, parse)?;
+            return self.counted(array, values, expected);
+        }
+        let data = self.data(array)?;
+        let size = array.kind.size();
+        self.take_budget(array, 8 * (data.len() / size))?;
+        self.counted(array, data.chunks_exact(size).map(decode).collect(), expected)
     }
 
     /// A problem at the element of an array.

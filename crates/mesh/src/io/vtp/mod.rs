@@ -19,16 +19,11 @@ pub(super) const FORMAT: Row = Row {
     parse: assemble::parse,
     encode: encode::encode,
     holds: Holds {
-        faces: true,
-        exact: true,
-        polygons: true,
-        colors: true,
-        normals: true,
         fields: true,
         face_fields: true,
-        texture: false,
         binary: true,
         float_widths: true,
+        ..Holds::TEXT
     },
 };
 
