@@ -20,8 +20,8 @@ struct Rest<'a> {
     rows: &'a [u32],
 }
 
-/// Writes the columns of L into `values`, zeros before, by supernodes, with D on the diagonal. `entries` are the
-/// values of A, each multiplied by `scale`.
+/// Writes the columns of L into `values`, which are zero before, by supernodes, with D on the
+/// diagonal. `entries` are the values of A, each multiplied by `scale`.
 ///
 /// # Errors
 ///
