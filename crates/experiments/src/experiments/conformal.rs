@@ -79,7 +79,7 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
 fn rounded(errors: &[(usize, f64)]) -> String {
     let Some(((_, settled), others)) = errors.split_last() else { return String::new() };
     let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);
-    let percent = |off: &f64| format!("{:.0}", 100.0 * off);
+    let percent = |off: &f64| brief(100.0 * off);
     let numbers: Vec<String> = others.iter().map(|(_, off)| percent(off)).collect();
     let steps: Vec<String> = others.iter().map(|(n, _)| n.to_string()).collect();
     format!(

@@ -316,7 +316,8 @@ impl OverLambda<'_> {
     /// The input, which the page can smooth, beside the flow at each λ on its way.
     fn view(&self, model: &Model, smoothed: &[TriMesh], measured: &[Measures]) -> Result<View> {
         let Self { kind, lambdas, iterations, viewed, .. } = *self;
-        let left_out = if viewed < lambdas.len() { " (what diverges is left out)" } else { "" };
+        let left_out =
+            if viewed < lambdas.len() { " (the view leaves out what diverges)" } else { "" };
         let counts: Vec<usize> =
             VIEWED_STEPS.into_iter().filter(|&n| n < iterations).chain([iterations]).collect();
         let mut stops: Vec<(TriMesh, Measures)> = vec![];

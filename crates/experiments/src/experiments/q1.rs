@@ -210,6 +210,8 @@ impl<'a> Pictures<'a> {
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
             fallback: format!("{}-signed", self.name),
+            // On a plane only the angle defect has colours, those of the corners.
+            color: seen::is_flat(self.scaled).then(|| "Gaussian curvature".into()),
             z_up: true,
             sliders: vec![],
             panels: vec![Panel::still("original", self.mesh), colored],

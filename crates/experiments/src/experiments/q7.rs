@@ -52,7 +52,7 @@ fn section() -> Section {
     .sources(&["desbrun1999", "taubin1995", "zheng2011", "zhang2015"])
     .notation(&["T", "n", "E_a", "E_v"])
     .shows(&["levels-view", "normals", "levels"], &[])
-    .names(&[("scan-view", "the creature"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one part with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])
+    .names(&[("scan-view", "the shape with details"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one part with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])
 }
 
 impl Experiment for GrowingNoise {

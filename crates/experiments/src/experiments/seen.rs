@@ -41,7 +41,7 @@ fn zeros(values: &[f64]) -> usize {
 }
 
 /// Returns true if a field has the colour of zero at all inner vertices.
-fn is_flat(field: &ScalarCurvature) -> bool {
+pub(super) fn is_flat(field: &ScalarCurvature) -> bool {
     values(field, false).iter().all(|x| x.abs() <= FLAT)
 }
 

@@ -178,7 +178,7 @@ pub(super) fn decay(curves: Vec<Series>) -> Result<Picture> {
     };
     let mut figure = Figure::default();
     let to_see = extremes(&plot.series).map_or(String::new(), |[least, most]| {
-        format!("The smoother the shape, the fewer modes it needs: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
+        format!("A smooth shape needs fewer modes: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
     });
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
     figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 240.0)?));
