@@ -156,6 +156,13 @@ mod tests {
     }
 
     #[test]
+    fn sources_cited_alike_are_told_apart() {
+        let keys = ["zhang2015", "zhang2015variational", "desbrun1999"].map(String::from);
+        let shorts: Vec<String> = cited(&keys).into_iter().map(|entry| entry.short).collect();
+        assert_eq!(shorts, ["W. Zhang et al. 2015", "H. Zhang et al. 2015", "Desbrun et al. 1999"]);
+    }
+
+    #[test]
     fn no_entry_keeps_its_tex() {
         let keys = SOURCE.lines().filter_map(|line| line.strip_prefix('@')?.split_once('{'));
         let keys: Vec<&str> = keys.map(|(_, rest)| rest.trim_end_matches(',')).collect();

@@ -92,3 +92,16 @@ impl Frame {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_meshes_are_seen_from_above() {
+        let elevation = |height: f64| {
+            Frame { low: [-1.0, -1.0, 0.0], high: [1.0, 1.0, height] }.angles(true)[1]
+        };
+        assert_eq!([2.0, 0.6, 0.0].map(elevation), [20.0, 40.0, 65.0]);
+    }
+}
