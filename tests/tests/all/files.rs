@@ -76,6 +76,11 @@ fn points_are_described_and_converted() {
         run(place, &format!("--quiet convert {from} {to}"));
         let info: Value = serde_json::from_str(&run(place, &format!("info {to} --json"))).unwrap();
         assert_eq!((&info["vertices"], &info["faces"]), (&288.into(), &0.into()));
+        assert!(["closed", "manifold", "area"].iter().all(|name| info[name].is_null()), "{info}");
+        let text = run(place, &format!("info {to}"));
+        let has_row = |name: &str| text.lines().any(|line| line.starts_with(name));
+        assert!(has_row("duplicate positions") && has_row("lowest corner"), "{text}");
+        assert!(!["edges", "genus", "closed", "mean edge"].into_iter().any(has_row), "{text}");
         let needs_faces = |verb: &str| !verb.starts_with("convert") && !verb.starts_with("repair");
         for (verb, output) in WRITERS.into_iter().filter(|(verb, _)| needs_faces(verb)) {
             let error = refuse(place, &format!("{} {output}", verb.replace("torus.ply", to)), 3);
@@ -84,6 +89,33 @@ fn points_are_described_and_converted() {
     }
     assert!(refuse(place, "geodesic points.xyz --from 0 -o a.ply", 3).contains("points without"));
     run(place, "--quiet repair points.xyz -o repaired.pcd");
+}
+
+/// A component limit above all components leaves nothing, which the error says.
+#[test]
+fn a_repair_that_would_leave_nothing_fails() {
+    let folder = folder_with_torus();
+    let error = refuse(folder.path(), "repair torus.ply -o a.ply --components 1000", 1);
+    assert!(error.contains("no face would be left: --components drops 576"), "{error}");
+    assert!(!folder.path().join("a.ply").exists());
+}
+
+/// Remarks on a file are lines that begin with its name.
+#[test]
+fn each_remark_names_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 1\n";
+    for name in ["a.obj", "b.obj"] {
+        std::fs::write(folder.path().join(name), quad).unwrap();
+    }
+    let said = fairing(folder.path(), "repair a.obj b.obj -o {stem}.ply").stderr;
+    let said = String::from_utf8(said).unwrap();
+    for name in ["a.obj", "b.obj"] {
+        for remark in ["1 face has more than three corners", "1 face repeats a corner"] {
+            let line = format!("{name}: {remark}");
+            assert!(said.lines().any(|said| said.starts_with(&line)), "{line}: {said}");
+        }
+    }
 }
 
 /// Every document that lists formats names all of them.

@@ -245,12 +245,12 @@ pub(crate) fn unreadable(error: ReadError) -> Failure {
     }
 }
 
-/// Prints the faces that the reader split, reduced or left out, and the content it ignored.
+/// Prints the faces that the reader split, reduced or left out, and the content it ignored, a line
+/// each.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
-    let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
-    let changed = changed || report.broken_vertices > 0 || report.broken_faces > 0;
-    if changed || !report.notes.is_empty() {
-        context.note(format_args!("{}: {report}", path.display()));
+    // The first line is the summary.
+    for line in report.to_string().lines().skip(1) {
+        context.note(format_args!("{}: {line}", path.display()));
     }
 }
 

@@ -19,8 +19,8 @@ use super::table::{Table, number};
 ///
 /// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
 /// numbered from 0. Face and edge counts are those of the file, polygons included;
-/// degenerate, sliver and duplicate faces are counted after splitting into triangles. Ends with
-/// the command that would mend what was found.
+/// degenerate, sliver and duplicate faces are counted after splitting into triangles. What only
+/// faces have is left out for points. Ends with the command that would mend what was found.
 #[derive(Args)]
 pub(crate) struct Info {
     #[command(flatten)]
@@ -57,6 +57,9 @@ impl Info {
         let textured = fields.faces.texture.is_some();
         if self.summary.is_wanted() {
             let mut json = as_json(&mesh, &diagnosis, &report);
+            if diagnosis.faces == 0 {
+                OF_FACES.iter().for_each(|&name| json[name] = Value::Null);
+            }
             json["fields"] = json!(of_vertices);
             json["face_fields"] = json!(of_faces);
             json["texture_coordinates"] = json!(textured);
@@ -84,6 +87,32 @@ impl Info {
         Ok(Value::Null)
     }
 }
+
+/// Measures that points do not have.
+const OF_FACES: [&str; 22] = [
+    "edges",
+    "components",
+    "boundary_loops",
+    "euler_characteristic",
+    "genus",
+    "manifold",
+    "closed",
+    "orientable",
+    "isolated_vertices",
+    "degenerate_faces",
+    "sliver_faces",
+    "duplicate_faces",
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+    "inconsistent_edges",
+    "turned_faces",
+    "seam_vertices",
+    "area",
+    "volume",
+    "shortest_edge",
+    "mean_edge",
+    "longest_edge",
+];
 
 /// The names of the fields of vertices and of faces.
 fn names(fields: &VertexFields) -> [Vec<&str>; 2] {
@@ -143,38 +172,45 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport) -> Value {
 fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     let mut table = Table::new();
     let mut row = |name: &str, value: String| table.row([name.to_owned(), value]);
+    let has_faces = d.faces > 0;
     row("vertices", d.vertices.to_string());
     row("faces", mesh.polygon_count().to_string());
     if mesh.polygon_count() != d.faces {
         row("triangles", d.faces.to_string());
     }
-    row("edges", mesh.edge_count().to_string());
-    row("components", d.components.to_string());
-    row("boundary loops", d.boundary_loops.to_string());
-    row("Euler characteristic", d.euler_characteristic.to_string());
-    row("genus", d.genus.map_or_else(|| "undefined".to_owned(), |g| g.to_string()));
-    row("manifold", yes(d.manifold));
-    row("closed", yes(d.closed));
-    row("orientable", yes(d.orientable));
-    row("isolated vertices", tally(d.isolated_vertices));
-    row("degenerate faces", tally(d.degenerate_faces));
-    row("sliver faces", tally(d.sliver_faces));
-    row("duplicate faces", tally(d.duplicate_faces));
+    if has_faces {
+        row("edges", mesh.edge_count().to_string());
+        row("components", d.components.to_string());
+        row("boundary loops", d.boundary_loops.to_string());
+        row("Euler characteristic", d.euler_characteristic.to_string());
+        row("genus", d.genus.map_or_else(|| "undefined".to_owned(), |g| g.to_string()));
+        row("manifold", yes(d.manifold));
+        row("closed", yes(d.closed));
+        row("orientable", yes(d.orientable));
+        row("isolated vertices", tally(d.isolated_vertices));
+        row("degenerate faces", tally(d.degenerate_faces));
+        row("sliver faces", tally(d.sliver_faces));
+        row("duplicate faces", tally(d.duplicate_faces));
+    }
     row("duplicate positions", tally(d.duplicate_positions));
-    row("non-manifold edges", tally(d.nonmanifold_edges));
-    row("non-manifold vertices", tally(d.nonmanifold_vertices));
-    row("inconsistent edges", tally(d.inconsistent_edges));
-    row("flipped faces", tally(d.turned_faces));
-    row("seam vertices", d.seam_vertices.to_string());
+    if has_faces {
+        row("non-manifold edges", tally(d.nonmanifold_edges));
+        row("non-manifold vertices", tally(d.nonmanifold_vertices));
+        row("inconsistent edges", tally(d.inconsistent_edges));
+        row("flipped faces", tally(d.turned_faces));
+        row("seam vertices", d.seam_vertices.to_string());
+    }
     if let Some([lo, hi]) = d.bounding_box {
         row("lowest corner", lo.map(number).join(", "));
         row("highest corner", hi.map(number).join(", "));
     }
-    row("area", number(d.area));
-    row("volume", d.volume.map_or_else(|| "undefined".to_owned(), number));
-    row("shortest edge", number(d.shortest_edge));
-    row("mean edge", number(d.mean_edge));
-    row("longest edge", number(d.longest_edge));
+    if has_faces {
+        row("area", number(d.area));
+        row("volume", d.volume.map_or_else(|| "undefined".to_owned(), number));
+        row("shortest edge", number(d.shortest_edge));
+        row("mean edge", number(d.mean_edge));
+        row("longest edge", number(d.longest_edge));
+    }
     table
 }
 

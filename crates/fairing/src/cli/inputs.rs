@@ -9,7 +9,7 @@ use fairing::watch;
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
-use super::table::{Table, number};
+use super::table::{ERROR, Table, number};
 
 /// The inputs of a verb.
 #[derive(Args)]
@@ -142,7 +142,7 @@ pub(crate) fn each(
         let value = result.unwrap_or_else(|failure| {
             let text = failure.to_string();
             let prefix = format!("{}: ", input.display());
-            let value = json!({ "error": text.strip_prefix(&prefix).unwrap_or(&text) });
+            let value = json!({ ERROR: text.strip_prefix(&prefix).unwrap_or(&text) });
             failures.push(failure);
             value
         });
@@ -185,14 +185,14 @@ fn rows(format: TableFormat, columns: &[&str], rows: &[Map<String, Value>]) -> S
         TableFormat::Text => names.extend(columns),
         _ => {
             for (name, _) in flat.iter().flatten() {
-                if !names.contains(&&name[..]) && name != "error" {
+                if !names.contains(&&name[..]) && name != ERROR {
                     names.push(name);
                 }
             }
         }
     }
-    if flat.iter().flatten().any(|(name, _)| name == "error") {
-        names.push("error");
+    if flat.iter().flatten().any(|(name, _)| name == ERROR) {
+        names.push(ERROR);
     }
     let cell = |row: &[(String, Value)], name: &str| {
         let value = row.iter().find(|(n, _)| n == name).map(|(_, value)| value);
@@ -302,7 +302,7 @@ mod tests {
         );
         assert_eq!(
             rows(TableFormat::Text, &["n", "closed"], &all),
-            "path     n  closed       error\na,b.ply  3     yes           -\nc.ply    -       -  no \"faces\"\n"
+            "path     n  closed  error\na,b.ply  3     yes  -\nc.ply    -       -  no \"faces\"\n"
         );
         assert_eq!(rows(TableFormat::Json, &[], &all).lines().count(), 2);
     }

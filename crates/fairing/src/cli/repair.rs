@@ -43,7 +43,7 @@ pub(crate) struct Repair {
     /// Leave out some steps
     #[arg(long, value_name = "STEP", value_delimiter = ',')]
     skip: Vec<Skip>,
-    /// Merge vertices up to this distance, in mean edge lengths, from 0 to 1
+    /// Merge vertices up to this distance, in mean edge lengths of the input, from 0 to 1
     #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true)]
     tolerance: f64,
     /// Drop components with fewer faces than this
@@ -102,6 +102,8 @@ impl Repair {
             "duplicate-faces",
             "turned-faces",
             "split-vertices",
+            "small-components",
+            "isolated-vertices",
             "filled-holes",
         ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
@@ -126,10 +128,14 @@ impl Repair {
             context.note(format_args!("the patches of holes stay flat: {error}"));
         }
         if repaired.mesh.face_count() == 0 && file.mesh.face_count() > 0 {
-            return Err(Failure::usage(format_args!(
-                "{}: no face would be left; nothing is written",
-                input.display()
-            )));
+            let small = match repaired.changed(RepairStep::SmallComponents) {
+                [] => String::new(),
+                small => format!(": --components drops {}", small.len()),
+            };
+            let input = input.display();
+            let error =
+                anyhow::anyhow!("{input}: no face would be left{small}; nothing is written");
+            return Err(error.into());
         }
         let summary = match (self.summary.json, self.summary.table) {
             (true, _) => as_json(&repaired),

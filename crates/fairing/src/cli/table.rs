@@ -2,11 +2,15 @@
 
 use std::fmt;
 
-/// Rows of cells in aligned columns, the first to the left and the others to the right.
+/// Rows of cells in aligned columns, the first and the errors to the left and the others to the
+/// right.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }
+
+/// The head of a column of sentences.
+pub(crate) const ERROR: &str = "error";
 
 impl Table {
     /// A table without rows.
@@ -33,6 +37,9 @@ impl fmt::Display for Table {
                 let padding = " ".repeat(width - cell.chars().count());
                 match column {
                     0 => line.extend([cell.as_str(), &padding]),
+                    _ if self.rows[0].get(column).is_some_and(|head| head == ERROR) => {
+                        line.extend(["  ", cell, &padding]);
+                    }
                     _ => line.extend(["  ", &padding, cell]),
                 }
             }
