@@ -1,6 +1,6 @@
 //! Denoising.
 
-use fairing_denoising::{Approach, Denoiser, Masked, SurfaceKind, automatic};
+use fairing_denoising::{Approach, Denoiser, Masked, automatic};
 use pyo3::prelude::*;
 
 use crate::error::Error;
@@ -36,16 +36,15 @@ fn denoise(
             return Ok((method.denoise(masked)?, None));
         };
         let found = automatic(masked, &options)?;
-        let kind = match found.kind {
-            SurfaceKind::Creased => "creased",
-            SurfaceKind::Smooth => "smooth",
-            SurfaceKind::Uneven => "uneven",
-            _ => "clean",
-        };
         let noise = found.noise.map(|n| [n.sigma, n.correlation_length, n.wide_sigma]);
         Ok((
             found.mesh,
-            Some((noise, kind, found.approach.map(Approach::name), found.uneven_vertices)),
+            Some((
+                noise,
+                found.kind.name(),
+                found.approach.map(Approach::name),
+                found.uneven_vertices,
+            )),
         ))
     })?;
     Ok((mesh.into(), found))

@@ -1,7 +1,7 @@
 //! Smoothing.
 
 use fairing::ErrorKind;
-use fairing_smoothing::{Approach, FlowError, Method, Report, Smoothed};
+use fairing_smoothing::{FlowError, Method, Report, Smoothed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -18,23 +18,9 @@ fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyD
     dict.set_item("too_thin", report.too_thin)?;
     dict.set_item("degenerate_faces", report.degenerate_faces)?;
     dict.set_item("worst_residual", report.worst_residual)?;
-    dict.set_item("approach", approach(report.approach))?;
+    dict.set_item("approach", report.approach.to_string())?;
     dict.set_item("split", report.split.map(|s| (s.below, s.above)))?;
     Ok(dict)
-}
-
-fn approach(approach: Approach) -> String {
-    match approach {
-        Approach::Stepping => "stepping".to_owned(),
-        Approach::Series { degree } => format!("Chebyshev series of degree {degree}"),
-        Approach::Resolvent { degree } => format!("resolvent series of degree {degree}"),
-        Approach::Modes { count } => format!("projection on {count} modes"),
-        Approach::ConjugateGradients { iterations } => {
-            format!("conjugate gradients, {iterations} iterations")
-        }
-        Approach::Cholesky { factorisations } => format!("{factorisations} factorisations"),
-        other => format!("{other:?}"),
-    }
 }
 
 /// The exception of a flow: an option error, or a flow error with the step and the last good mesh.

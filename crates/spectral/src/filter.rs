@@ -81,18 +81,3 @@ impl Spectrum {
         None
     }
 }
-
-/// 1 up to the cutoff (in units of λ), 0 above.
-pub fn ideal_low_pass(cutoff: f64) -> impl Fn(f64) -> f64 {
-    move |lambda| f64::from(u8::from(lambda <= cutoff))
-}
-
-/// 0 up to the cutoff (in units of λ), 1 above.
-pub fn ideal_high_pass(cutoff: f64) -> impl Fn(f64) -> f64 {
-    move |lambda| f64::from(u8::from(lambda > cutoff))
-}
-
-/// 1 above `from` and up to `to` (in units of λ), 0 elsewhere.
-pub fn ideal_band_pass(from: f64, to: f64) -> impl Fn(f64) -> f64 {
-    move |lambda| f64::from(u8::from(lambda > from && lambda <= to))
-}

@@ -38,7 +38,7 @@ pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
 pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, EigenOptions};
-pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};
+pub use filter::{Filtered, Rest};
 pub use geodesic::HeatGeodesics;
 pub use path::{GeodesicPath, geodesic_path, isoline};
 pub use poisson::Poisson;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use fairing_denoising::{Approach, Denoiser, SurfaceKind, automatic};
+use fairing_denoising::{Approach, Denoiser, automatic};
 use fairing_evaluation::{NoiseLevel, add_noise};
 use fairing_mesh::io::VertexFields;
 use fairing_mesh::{RepairOptions, TriMesh};
@@ -35,15 +35,9 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         return moved(meshes, request, denoiser.denoise(&*mesh)?, Value::Null);
     };
     let found = automatic(&*mesh, &options)?;
-    let kind = match found.kind {
-        SurfaceKind::Creased => "creased",
-        SurfaceKind::Smooth => "smooth",
-        SurfaceKind::Uneven => "uneven",
-        _ => "clean",
-    };
     let report = json!({
         "noise": found.noise.as_ref().map(serde_json::to_value).transpose()?,
-        "kind": kind,
+        "kind": found.kind.name(),
         "approach": found.approach.map(Approach::name),
         "uneven_vertices": found.uneven_vertices,
         "displacement_limit": found.limit,

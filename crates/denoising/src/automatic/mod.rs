@@ -71,6 +71,13 @@ pub enum SurfaceKind {
     Uneven,
 }
 
+fairing_parameters::named!(SurfaceKind, "kind of surface",
+    Creased: "creased",
+    Smooth: "smooth",
+    Clean: "clean",
+    Uneven: "uneven",
+);
+
 /// Result of [`automatic`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]

@@ -118,14 +118,7 @@ impl Gallery<'_> {
                 figure.panels.push(Panel::image(image, width));
             }
         }
-        Ok(Picture {
-            id: id.into(),
-            caption: caption.into(),
-            alt: alt.into(),
-            image: figure.draw().to_image(ZOOM)?,
-            svg: None,
-            links: vec![],
-        })
+        picture(&figure, id, caption, alt)
     }
 }
 
@@ -184,14 +177,19 @@ pub(super) fn errors(
         .draw(id, caption, alt)
 }
 
-/// A figure of plots: as SVG too, since it is made of lines.
-pub(super) fn plotted(figure: &Figure, id: &str, caption: &str, alt: &str) -> Result<Picture> {
+/// A figure as a picture.
+pub(super) fn picture(figure: &Figure, id: &str, caption: &str, alt: &str) -> Result<Picture> {
     Ok(Picture {
         id: id.into(),
         caption: caption.into(),
         alt: alt.into(),
         image: figure.draw().to_image(ZOOM)?,
-        svg: Some(figure.to_svg()?),
+        svg: None,
         links: vec![],
     })
+}
+
+/// A figure of plots: as SVG too, since it is made of lines.
+pub(super) fn plotted(figure: &Figure, id: &str, caption: &str, alt: &str) -> Result<Picture> {
+    Ok(Picture { svg: Some(figure.to_svg()?), ..picture(figure, id, caption, alt)? })
 }

@@ -6,7 +6,7 @@ use fairing_figure::{
 };
 use fairing_mesh::TriMesh;
 
-use super::gallery::{WIDTH, ZOOM};
+use super::gallery::{WIDTH, ZOOM, picture};
 use crate::outcome::Picture;
 
 /// Rows of plain meshes, all of the same length.
@@ -66,13 +66,6 @@ impl Grid<'_> {
                 figure.panels.push(if shared { panel } else { panel.caption(title.clone()) });
             }
         }
-        Ok(Picture {
-            id: id.into(),
-            caption: caption.into(),
-            alt: alt.into(),
-            image: figure.draw().to_image(ZOOM)?,
-            svg: None,
-            links: vec![],
-        })
+        picture(&figure, id, caption, alt)
     }
 }

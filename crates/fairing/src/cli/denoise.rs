@@ -172,12 +172,6 @@ fn summary(result: &Automatic) -> String {
 
 /// The noise and the kind of surface as JSON.
 fn as_json(result: &Automatic) -> Value {
-    let kind = match result.kind {
-        SurfaceKind::Creased => "creased",
-        SurfaceKind::Smooth => "smooth",
-        SurfaceKind::Uneven => "uneven",
-        _ => "clean",
-    };
     let shares: Map<String, Value> = (FaceKind::ALL.iter())
         .map(|&kind| (kind.name().to_owned(), json!(result.fraction(kind))))
         .collect();
@@ -195,7 +189,7 @@ fn as_json(result: &Automatic) -> Value {
             "wide_sigma": noise.wide_sigma,
             "impulsive": noise.is_impulsive(),
         })),
-        "kind": kind,
+        "kind": result.kind.name(),
         "approach": result.approach.map(Approach::name),
         "area_share": shares,
         "uneven_vertices": result.uneven_vertices,

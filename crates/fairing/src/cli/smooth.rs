@@ -228,7 +228,7 @@ impl Smooth {
         let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{} %", number(x)));
         table.row(["method".into(), method.name().into()]);
         table.row(["iterations".into(), report.iterations.to_string()]);
-        table.row(["computed by".into(), approach(report.approach)]);
+        table.row(["computed by".into(), report.approach.to_string()]);
         if report.degenerate_faces > 0 {
             table.row(["degenerate faces".into(), report.degenerate_faces.to_string()]);
         }
@@ -260,25 +260,10 @@ fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f
         "unstable": report.unstable,
         "too_thin_face": report.too_thin,
         "degenerate_faces": report.degenerate_faces,
-        "computed_by": approach(report.approach),
+        "computed_by": report.approach.to_string(),
         "worst_residual": report.worst_residual,
         "volume_change_percent": changes[0],
         "area_change_percent": changes[1],
         "largest_displacement": farthest,
     })
-}
-
-/// The approach in words.
-fn approach(approach: Approach) -> String {
-    match approach {
-        Approach::Stepping => "steps".into(),
-        Approach::Series { degree } => format!("series of degree {degree}"),
-        Approach::Resolvent { degree } => format!("series of degree {degree} in the resolvent"),
-        Approach::ConjugateGradients { iterations } => {
-            format!("conjugate gradients, {iterations} iterations")
-        }
-        Approach::Modes { count } => format!("{count} modes"),
-        Approach::Cholesky { factorisations } => format!("Cholesky, {factorisations} factors"),
-        other => format!("{other:?}"),
-    }
 }

@@ -107,17 +107,6 @@ impl Topology {
         self.tables.neighbors_of(v as usize)
     }
 
-    /// The start of each vertex's neighbours in [`Self::all_neighbors`]: one entry
-    /// more than there are vertices.
-    pub fn neighbor_offsets(&self) -> &[u32] {
-        &self.tables.neighbor_offsets
-    }
-
-    /// The neighbours of all vertices, one vertex after another.
-    pub fn all_neighbors(&self) -> &[u32] {
-        &self.tables.neighbors
-    }
-
     /// Returns true if edge `e` has exactly one face.
     ///
     /// # Panics

@@ -59,11 +59,6 @@ impl Estimator {
     /// The recommended estimator for unknown meshes: cubic jets over three rings, which converge on
     /// irregular meshes.
     pub const RECOMMENDED: Self = Self::Jet(JetOptions::DEFAULT);
-
-    /// Returns true if the estimator computes principal directions.
-    pub fn has_directions(&self) -> bool {
-        !matches!(self, Self::Cotangent(_))
-    }
 }
 
 #[cfg(test)]

@@ -130,44 +130,28 @@ fn isolated_vertices_follow_one_rule() {
     assert_eq!(flat.restricted(&[0, 1, 2]).unwrap().free(), [0u32; 0]);
 }
 
-/// S u and its restriction say the same at free vertices.
+/// Products with the restriction are those with all values at free vertices and zero elsewhere.
 #[test]
-fn restriction_takes_out_and_puts_back() {
+fn restriction_takes_out_rows_and_columns() {
     let mesh = shapes::icosphere(1);
-    let u: Vec<f64> = (0..42).map(|v| f64::from(v * v % 17)).collect();
+    let mut u: Vec<f64> = (0..42).map(|v| f64::from(v * v % 17)).collect();
+    for v in [3, 7, 40] {
+        u[v] = 0.0;
+    }
     for mass in [MassKind::Barycentric, MassKind::Consistent] {
         let whole = Laplacian::new(&mesh, LaplacianKind::Cotangent, mass).unwrap();
         let part = whole.restricted(&[40, 3, 3, 7]).unwrap();
         assert_eq!(part.free().len(), 39);
-        assert!(!part.is_free(7) && part.is_free(8) && !part.is_free(42));
-        let inside = part.gathered(&u).unwrap();
-        let expected = part.gathered(&whole.apply(&u).unwrap()).unwrap();
-        let found = multiply(part.stiffness(), &inside);
-        for ((found, more), expected) in found.iter().zip(part.coupling(&u).unwrap()).zip(expected)
-        {
-            assert!((found + more - expected).abs() < 1e-13);
+        let gathered = |all: &[f64]| part.free().iter().map(|&v| all[v as usize]).collect();
+        let inside: Vec<f64> = gathered(&u);
+        let expected: Vec<f64> = gathered(&whole.apply(&u).unwrap());
+        for (found, expected) in multiply(part.stiffness(), &inside).iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-13);
         }
-        let mut alone = u.clone();
-        for v in [3, 7, 40] {
-            alone[v] = 0.0;
-        }
-        let mass = part.gathered(&whole.mass().as_mass().times(&alone)).unwrap();
-        for (found, expected) in part.mass().as_mass().times(&inside).iter().zip(mass) {
+        let expected: Vec<f64> = gathered(&whole.mass().as_mass().times(&u));
+        for (found, expected) in part.mass().as_mass().times(&inside).iter().zip(expected) {
             assert!((found - expected).abs() < 1e-15);
         }
-        let t = 0.3;
-        let shifted = multiply(&part.shifted(t), &inside);
-        let moved = part.mass().as_mass().times(&inside);
-        for ((a, m), s) in shifted.iter().zip(moved).zip(found) {
-            assert!((a - m - t * s).abs() < 1e-13);
-        }
-        let doubled: Vec<f64> = inside.iter().map(|x| 2.0 * x).collect();
-        let all = part.extended(&doubled, &u).unwrap();
-        for v in 0..42 {
-            let factor = if part.is_free(v) { 2.0 } else { 1.0 };
-            assert_eq!(all[v as usize], factor * u[v as usize]);
-        }
-        assert!(part.extended(&u, &u).is_err() && part.coupling(&inside).is_err());
         let error = OperatorError::NoSuchVertex { vertex: 42, vertices: 42 };
         assert_eq!(whole.restricted(&[42]).unwrap_err(), error);
         // Nothing is copied where nothing is taken out.

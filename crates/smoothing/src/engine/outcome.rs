@@ -1,5 +1,7 @@
 //! Results of flows.
 
+use std::fmt;
+
 use fairing_mesh::TriMesh;
 use fairing_spectral::Split;
 
@@ -80,4 +82,19 @@ pub enum Approach {
         /// The number of numeric factorisations.
         factorisations: usize,
     },
+}
+
+impl fmt::Display for Approach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stepping => write!(f, "steps"),
+            Self::Series { degree } => write!(f, "series of degree {degree}"),
+            Self::Resolvent { degree } => write!(f, "series of degree {degree} in the resolvent"),
+            Self::ConjugateGradients { iterations } => {
+                write!(f, "conjugate gradients, {iterations} iterations")
+            }
+            Self::Modes { count } => write!(f, "{count} modes"),
+            Self::Cholesky { factorisations } => write!(f, "Cholesky, {factorisations} factors"),
+        }
+    }
 }

@@ -60,54 +60,15 @@ impl Step<'_> {
         self.mesh.positions()
     }
 
-    /// The positions before this step.
-    pub fn positions_before(&self) -> &[[f64; 3]] {
-        self.before
-    }
-
     /// The largest displacement of a vertex in this step, in mesh units. Computed when called.
     pub fn largest_displacement(&self) -> f64 {
-        self.squared_displacements().fold(0.0, f64::max).sqrt()
-    }
-
-    /// The root mean square displacement of the vertices in this step, in mesh units. Computed when
-    /// called.
-    pub fn rms_displacement(&self) -> f64 {
-        let n = self.before.len().max(1) as f64;
-        (self.squared_displacements().sum::<f64>() / n).sqrt()
-    }
-
-    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, of the
-    /// [oriented](TriMesh::oriented) mesh about the centre of its bounding box: the enclosed volume
-    /// if the mesh is closed. Computed when called.
-    pub fn volume(&self) -> f64 {
-        self.mesh.signed_volume()
-    }
-
-    /// The surface area, in squared mesh units: the energy that cotangent flows decrease. Computed
-    /// when called.
-    pub fn area(&self) -> f64 {
-        (0..self.mesh.face_count()).map(|f| self.mesh.face_area(f)).sum()
-    }
-
-    /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows
-    /// decrease. Computed when called.
-    pub fn edge_energy(&self) -> f64 {
-        let x = self.mesh.positions();
-        let edges = self.mesh.topology().edges().iter();
-        let sum = edges
-            .map(|&[a, b]| DVec3::from(x[a as usize]).distance_squared(x[b as usize].into()))
-            .sum::<f64>();
-        0.5 * sum
+        let pairs = self.before.iter().zip(self.positions());
+        let squares = pairs.map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()));
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// The largest relative residual of the linear systems of this step; `None` for explicit steps.
     pub fn residual(&self) -> Option<f64> {
         self.residual
-    }
-
-    fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
-        let pairs = self.before.iter().zip(self.positions());
-        pairs.map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()))
     }
 }

@@ -5,7 +5,7 @@ use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
     Beyond, EigenOptions, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
-    heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass, reconstruct, spectrum,
+    heat_kernel_times, reconstruct, spectrum,
 };
 use ndarray::ArrayView2;
 
@@ -174,17 +174,6 @@ fn a_rough_neighbour_on_either_side_is_no_gap() {
         found.residuals[rough] = before;
     }
     assert_eq!(found.split(2), None);
-}
-
-/// A cut-off belongs to the band below it, and every λ to one of neighbouring bands.
-#[test]
-fn bands_meet_at_their_ends() {
-    let bands =
-        |l: f64| [ideal_low_pass(2.0)(l), ideal_band_pass(2.0, 3.0)(l), ideal_high_pass(3.0)(l)];
-    assert_eq!(bands(2.0), [1.0, 0.0, 0.0]);
-    assert_eq!(bands(3.0), [0.0, 1.0, 0.0]);
-    assert_eq!(bands(2.5), [0.0, 1.0, 0.0]);
-    assert_eq!(bands(3.5), [0.0, 0.0, 1.0]);
 }
 
 /// From 4 ln 10 / λ of the last mode to that of the first above zero, evenly in the logarithm.
