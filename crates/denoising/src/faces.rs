@@ -91,11 +91,6 @@ impl Marks {
         }
     }
 
-    /// Returns `true` if `f` is marked.
-    pub(crate) fn contains(&self, f: u32) -> bool {
-        self.stamps[f as usize] == self.current
-    }
-
     /// Marks `f`; returns `true` if it was not marked.
     pub(crate) fn insert(&mut self, f: u32) -> bool {
         let stamp = &mut self.stamps[f as usize];

@@ -97,6 +97,20 @@ impl<const N: usize> NormalFactor<N> {
         x
     }
 
+    /// The factor of the equations of the first `M` unknowns alone.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer than `M`.
+    pub fn leading<const M: usize>(&self) -> NormalFactor<M> {
+        let mut leading = NormalFactor { l: [[0.0; M]; M], inverse: [0.0; M] };
+        for i in 0..M {
+            leading.l[i].copy_from_slice(&self.l[i][..M]);
+            leading.inverse[i] = self.inverse[i];
+        }
+        leading
+    }
+
     /// The variance `aᵀ (L Lᵀ)⁻¹ a` of the prediction `a · x`, in units of the
     /// variance of an equation of weight one.
     pub fn variance(&self, a: &[f64; N]) -> f64 {
@@ -131,6 +145,19 @@ mod tests {
         assert!((line[0] - 2.0).abs() < 1e-13 && (line[1] + 3.0).abs() < 1e-13);
         let variance = equations.factor().unwrap().variance(&[1.0, 4.0]);
         assert!((variance - (0.25 + 2.5 * 2.5 / 5.0)).abs() < 1e-13);
+    }
+
+    /// The first unknowns of a quadric are those of a line.
+    #[test]
+    fn the_leading_factor_is_that_of_fewer_unknowns() {
+        let mut quadric = NormalEquations::<3>::default();
+        let mut line = NormalEquations::<2>::default();
+        for x in [0.0, 1.0, 2.0, 3.0, 5.0] {
+            quadric.add(&[1.0, x, x * x], 1.0 + x * x, 1.0);
+            line.add(&[1.0, x], 1.0 + x * x, 1.0);
+        }
+        let leading = quadric.factor().unwrap().leading::<2>();
+        assert_eq!(leading.solve(line.rhs()), line.solve().unwrap());
     }
 
     #[test]

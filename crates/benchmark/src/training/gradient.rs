@@ -1,8 +1,8 @@
 //! The gradient of the loss of a network.
 
 use fairing_denoising::training::{
-    CANDIDATES, HIDDEN, INPUTS, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Sample, Trace, combine,
-    turn, weight,
+    BATCH, CANDIDATES, HIDDEN, INPUTS, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Sample, Trace,
+    combine, turn, weight,
 };
 use pulp::NullaryFnOnce;
 
@@ -45,15 +45,18 @@ impl NullaryFnOnce for Descent<'_> {
         let Self { network, lessons, chunk, weights } = self;
         let parts = network.parts();
         let mut gradient = vec![0.0f32; PARAMETERS];
-        let mut trace = Trace::default();
+        let mut traces: [Trace; BATCH] = Default::default();
         let mut chords = Vec::with_capacity(chunk.len());
-        for &l in chunk {
-            let lesson = &lessons[l as usize];
-            parts.run_inline(&lesson.sample, &mut trace);
-            let mut outputs = [0.0f32; OUTPUTS];
-            let weight = weights[lesson.pair as usize];
-            chords.push(loss_gradient(lesson, &trace.outputs, weight, &mut outputs));
-            backward(&parts.layers, &trace, &outputs, &mut gradient[2 * INPUTS..]);
+        for batch in chunk.chunks(BATCH) {
+            // The last lesson fills up the last batch.
+            let lesson = |k: usize| &lessons[batch[k.min(batch.len() - 1)] as usize];
+            parts.run_inline(std::array::from_fn(|k| &lesson(k).sample), &mut traces);
+            for (k, trace) in traces[..batch.len()].iter().enumerate() {
+                let mut outputs = [0.0f32; OUTPUTS];
+                let weight = weights[lesson(k).pair as usize];
+                chords.push(loss_gradient(lesson(k), &trace.outputs, weight, &mut outputs));
+                backward(&parts.layers, trace, &outputs, &mut gradient[2 * INPUTS..]);
+            }
         }
         (gradient, chords)
     }
@@ -154,12 +157,12 @@ mod tests {
         let mut network = start(&lessons, &mut Random(5));
         let chunk: Vec<u32> = (0..lessons.len() as u32).collect();
         let loss = |network: &Network| -> f64 {
-            let mut trace = Trace::default();
+            let mut traces: [Trace; BATCH] = Default::default();
             let mut sum = 0.0;
             for lesson in &lessons {
-                network.parts().run_inline(&lesson.sample, &mut trace);
+                network.parts().run_inline([&lesson.sample; BATCH], &mut traces);
                 let mut unused = [0.0; OUTPUTS];
-                let chord = loss_gradient(lesson, &trace.outputs, 1.0, &mut unused);
+                let chord = loss_gradient(lesson, &traces[0].outputs, 1.0, &mut unused);
                 sum += f64::from((chord * chord + SMALL * SMALL).sqrt());
             }
             sum

@@ -2,23 +2,11 @@
 //! surroundings.
 
 use glam::DVec3;
-use pulp::NullaryFnOnce;
 
-use super::fits::{LocalFit, log2, moments, read_fit, tangents};
-use super::state::{QUANTILES, RANGES, State, similarities};
-use crate::faces::{Marks, NO_HINGE};
-
-/// The radii of neighbourhoods, in local scales.
-const RADII: [f64; 3] = [1.5, 3.0, 5.0];
-
-/// The most hinges on the way to a face of a neighbourhood. On a regular mesh the largest
-/// radius is ten hinges wide; the rest is for stretched faces. Noise of several mean
-/// edge lengths makes areas, and with them radii, so large that a ball alone would hold
-/// thousands of faces.
-const DEPTH: usize = 15;
-
-/// The radius and the range of each local fit.
-const FITS: [(usize, usize); 5] = [(1, 1), (2, 1), (2, 0), (1, 3), (2, 3)];
+use super::around::{FITS, Gatherer, RADII, Sums};
+use super::fits::{log2, read_fit, tangents};
+use super::state::{QUANTILES, RANGES, State};
+use crate::faces::NO_HINGE;
 
 /// The widest fit for each range of differences between normals.
 const FIT_OF_RANGE: [usize; RANGES] = [2, 1, 1, 4];
@@ -76,167 +64,6 @@ pub struct Seen {
     pub(super) residuals: [f64; 2],
 }
 
-/// Sums over the neighbourhood of a face.
-struct Sums {
-    /// Weighted sums of noisy area vectors, of present normals times areas, and
-    /// of areas.
-    means: [[f64; 8]; MEANS],
-    tensors: [[f64; 6]; 2],
-    fits: [LocalFit; FITS.len()],
-    /// Weight, and agreement of noisy with present normals.
-    near: [f64; 2],
-    /// Squared displacements.
-    displacement: f64,
-    /// Signed displacements along normals, over each radius.
-    offsets: [f64; RADII.len()],
-}
-
-impl Sums {
-    fn weight(&self, radius: usize, range: usize) -> f64 {
-        self.means[radius * RANGES + range][6]
-    }
-
-    fn noisy(&self, k: usize) -> DVec3 {
-        DVec3::new(self.means[k][0], self.means[k][1], self.means[k][2])
-    }
-
-    fn present(&self, k: usize) -> DVec3 {
-        DVec3::new(self.means[k][3], self.means[k][4], self.means[k][5])
-    }
-}
-
-/// Finds the faces around one, and sums over them.
-pub(super) struct Gatherer<'a> {
-    state: &'a State<'a>,
-    wide: &'a [Vec<DVec3>; WIDE],
-    marks: Marks,
-    queue: Vec<u32>,
-}
-
-impl<'a> Gatherer<'a> {
-    pub(super) fn new(state: &'a State<'a>, wide: &'a [Vec<DVec3>; WIDE]) -> Self {
-        Self { state, wide, marks: Marks::new(state.normals.len()), queue: vec![] }
-    }
-
-    /// The inputs at face `f`; `None` for a face without a present normal.
-    pub(super) fn sample(&mut self, f: usize) -> Option<Seen> {
-        if self.state.normals[f] == DVec3::ZERO {
-            return None;
-        }
-        self.gather(f);
-        let sums = pulp::Arch::new().dispatch(Summing { gatherer: self, face: f });
-        Some(sample(self.state, self.wide, f, &sums))
-    }
-
-    /// The faces around `f` up to the largest radius and at most [`DEPTH`] hinges away, itself
-    /// first. The set does not depend on the numbering of the faces.
-    fn gather(&mut self, f: usize) {
-        let state = self.state;
-        self.marks.clear();
-        self.queue.clear();
-        self.marks.insert(f as u32);
-        self.queue.push(f as u32);
-        let centre = state.current.centroids[f];
-        let reach = RADII[RADII.len() - 1] * state.scales[f];
-        let mut begin = 0;
-        for _ in 0..DEPTH {
-            let end = self.queue.len();
-            for i in begin..end {
-                for k in state.hinges.across(self.queue[i] as usize) {
-                    if self.marks.contains(k as u32) {
-                        continue;
-                    }
-                    if state.current.centroids[k].distance(centre) < reach {
-                        self.marks.insert(k as u32);
-                        self.queue.push(k as u32);
-                    }
-                }
-            }
-            begin = end;
-        }
-    }
-
-    #[inline(always)]
-    fn sums(&self, f: usize) -> Sums {
-        let state = self.state;
-        let mut sums = Sums {
-            means: [[0.0; 8]; MEANS],
-            tensors: [[0.0; 6]; 2],
-            fits: [LocalFit::EMPTY; FITS.len()],
-            near: [0.0; 2],
-            displacement: 0.0,
-            offsets: [0.0; RADII.len()],
-        };
-        let n = state.normals[f];
-        let axes = tangents(n);
-        let centre = state.current.centroids[f];
-        let inverse = 1.0 / state.scales[f];
-        let ranges = state.factors();
-        let squares = RADII.map(|r| 1.0 / (r * r));
-        for &g in &self.queue {
-            let g = g as usize;
-            let offset = inverse * (state.current.centroids[g] - centre);
-            let d = offset.dot(offset);
-            let m = state.normals[g];
-            let apart = m - n;
-            let range = similarities(apart.dot(apart), ranges);
-            let area = state.current.areas[g];
-            let [a, b, c] =
-                (state.noisy.areas[g] * state.trust[g] * state.noisy.normals[g]).to_array();
-            let terms = [a, b, c, m.x * area, m.y * area, m.z * area, area, 0.0];
-            let near = squares.map(|s| {
-                let t = (1.0 - d * s).max(0.0);
-                t * t
-            });
-            for (means, near) in sums.means.chunks_exact_mut(RANGES).zip(near) {
-                if near > 0.0 {
-                    for (mean, r) in means.iter_mut().zip(range) {
-                        let w = near * r;
-                        mean.iter_mut().zip(terms).for_each(|(x, t)| *x += w * t);
-                    }
-                }
-            }
-            for (tensor, w) in sums.tensors.iter_mut().zip(&near[1..]) {
-                let w = w * area;
-                let products = [m.x * m.x, m.x * m.y, m.x * m.z, m.y * m.y, m.y * m.z, m.z * m.z];
-                tensor.iter_mut().zip(products).for_each(|(t, p)| *t += w * p);
-            }
-            let offset = inverse * (state.noisy.centroids[g] - centre);
-            let point = moments([offset.dot(axes[0]), offset.dot(axes[1]), offset.dot(n)]);
-            for (fit, (a, q)) in sums.fits.iter_mut().zip(FITS) {
-                let w = near[a] * range[q] * state.trust[g];
-                if w > 0.0 {
-                    fit.add(&point, w);
-                }
-            }
-            let w = near[0] * area;
-            sums.near[0] += w;
-            sums.near[1] += w * m.dot(state.noisy.normals[g]);
-            let moved = state.noisy.centroids[g] - state.current.centroids[g];
-            sums.displacement += near[1] * area * moved.dot(moved);
-            let along = area * moved.dot(m);
-            sums.offsets.iter_mut().zip(near).for_each(|(sum, w)| *sum += w * along);
-        }
-        sums
-    }
-}
-
-/// The sums around a face, with the widest vectors of the processor. Multiplications and additions
-/// are not fused, and no sum is reordered: the bits are the same on all of them.
-struct Summing<'a> {
-    gatherer: &'a Gatherer<'a>,
-    face: usize,
-}
-
-impl NullaryFnOnce for Summing<'_> {
-    type Output = Sums;
-
-    #[inline(always)]
-    fn call(self) -> Sums {
-        self.gatherer.sums(self.face)
-    }
-}
-
 /// The candidates for the normal of a face, and the results of its fits.
 struct Candidates {
     all: [DVec3; CANDIDATES],
@@ -260,9 +87,9 @@ impl Candidates {
         // flat faces differ from them by a turn.
         let of_face =
             |v: DVec3, range: usize| or_present(or_present(v) + turns[FIT_OF_RANGE[range]]);
-        for k in 0..MEANS {
-            all[k] = of_face(sums.noisy(k), k % RANGES);
-            all[MEANS + k] = of_face(sums.present(k), k % RANGES);
+        for (k, mean) in sums.means.as_flattened().iter().enumerate() {
+            all[k] = of_face(DVec3::from_slice(&mean[..3]), k % RANGES);
+            all[MEANS + k] = of_face(DVec3::from_slice(&mean[3..6]), k % RANGES);
         }
         let single = 2 * MEANS + 2 * FITS.len();
         all[single] = or_present(state.noisy.normals[f]);
@@ -315,13 +142,23 @@ fn read_fits(
     (of_fits, turns, anchor)
 }
 
-fn sample(state: &State<'_>, wide: &[Vec<DVec3>; WIDE], f: usize, sums: &Sums) -> Seen {
+/// The inputs at face `f`; `None` for a face without a present normal.
+pub(super) fn sample(
+    gatherer: &mut Gatherer<'_>,
+    wide: &[Vec<DVec3>; WIDE],
+    f: usize,
+) -> Option<Seen> {
+    let state = gatherer.state();
+    if state.normals[f] == DVec3::ZERO {
+        return None;
+    }
+    let sums = &gatherer.sums(f);
     let beside = across_sorted(state, f);
     let Candidates { all, of_fits, anchor } = Candidates::new(state, wide, f, sums, beside);
     let sum = all.iter().fold(DVec3::ZERO, |s, &c| s + c);
     let up = unit_or(sum, state.normals[f]);
     // The candidate that sees furthest fixes the signs of the axes.
-    let frame = frame(up, &sums.tensors[0], all[(RADII.len() - 1) * RANGES + RANGES - 1]);
+    let frame = frame(up, tensor(sums, 1), all[(RADII.len() - 1) * RANGES + RANGES - 1]);
     let mut local = [[0.0; 3]; CANDIDATES];
     let mut squares = 0.0;
     for (l, &c) in local.iter_mut().zip(&all) {
@@ -340,7 +177,7 @@ fn sample(state: &State<'_>, wide: &[Vec<DVec3>; WIDE], f: usize, sums: &Sums) -
         *slot = x as f32;
     }
     let residuals = SEEN_FITS.map(|k| of_fits[k][0]);
-    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals }
+    Some(Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals })
 }
 
 /// The faces across the hinges of a face, that with the closest normal first;
@@ -364,9 +201,20 @@ fn misfit(state: &State<'_>, f: usize, g: usize) -> f64 {
     log2(mean.sqrt() / state.sigma + 0.1)
 }
 
+/// The sum of the area over a radius.
+fn area(sums: &Sums, radius: usize) -> f64 {
+    sums.means[radius][RANGES - 1][6].max(f64::MIN_POSITIVE)
+}
+
+/// The sum of the products of two components of present normals over a radius.
+fn tensor(sums: &Sums, radius: usize) -> [f64; 6] {
+    let [xx, xy, xz, yy, yz, zz, ..] = sums.others[radius];
+    [xx, xy, xz, yy, yz, zz]
+}
+
 /// The part of a tensor across `up`, as entries over two tangents.
-fn across(tensor: &[f64; 6], axes: [DVec3; 2]) -> [f64; 3] {
-    let [xx, xy, xz, yy, yz, zz] = *tensor;
+fn across(tensor: [f64; 6], axes: [DVec3; 2]) -> [f64; 3] {
+    let [xx, xy, xz, yy, yz, zz] = tensor;
     let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
     let times = |a: DVec3| DVec3::from(rows.map(|r| r.dot(a)));
     let [a, b] = axes;
@@ -381,7 +229,7 @@ fn eigenvalues([a, b, c]: [f64; 3]) -> [f64; 2] {
 
 /// Axes that turn with the mesh: the directions in which normals vary most and
 /// least, and `up`. `far` has no negative component along the first two.
-fn frame(up: DVec3, tensor: &[f64; 6], far: DVec3) -> [DVec3; 3] {
+fn frame(up: DVec3, tensor: [f64; 6], far: DVec3) -> [DVec3; 3] {
     let axes = tangents(up);
     let [a, b, c] = across(tensor, axes);
     let [largest, _] = eigenvalues([a, b, c]);
@@ -406,15 +254,14 @@ fn scalars(
     beside: [usize; 3],
 ) -> [f64; SCALARS] {
     let s = state.scales[f];
-    let area = state.current.areas[f];
     let mut out = [0.0; SCALARS];
     let missing = state.hinges.of_face[f].iter().filter(|&&h| h == NO_HINGE).count();
     let noise = (state.noisy.centroids[f] - state.current.centroids[f]).length() / state.sigma;
-    let moved = (sums.displacement / sums.weight(1, RANGES - 1).max(f64::MIN_POSITIVE)).sqrt();
+    let moved = (sums.others[1][6] / area(sums, 1)).sqrt();
     let fixed = [
         log2(state.sigma / s),
         log2(s / state.h),
-        log2(area / (s * s)),
+        log2(state.current.areas[f] / (s * s)),
         log2(state.longest[f] / s),
         missing as f64,
         log2(spread),
@@ -424,7 +271,7 @@ fn scalars(
         state.level.correlation,
         log2(state.excess + 0.01),
         state.noisy.normals[f].dot(state.normals[f]),
-        sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
+        sums.others[0][7] / area(sums, 0),
         noise,
         moved / state.sigma,
         state.current.normals[f].dot(state.normals[f]),
@@ -433,24 +280,23 @@ fn scalars(
     let mut next = fixed.len();
     out[next..next + QUANTILES].copy_from_slice(&state.quantiles);
     next += QUANTILES;
-    for (a, tensor) in sums.tensors.iter().enumerate() {
-        let total = sums.weight(a + 1, RANGES - 1).max(f64::MIN_POSITIVE);
-        let entries = across(tensor, [frame[0], frame[1]]).map(|x| x / total);
-        let [large, small] = eigenvalues(entries).map(|x| x.max(0.0).sqrt());
+    for radius in 1..RADII.len() {
+        let entries = across(tensor(sums, radius), [frame[0], frame[1]]);
+        let [large, small] = eigenvalues(entries.map(|x| x / area(sums, radius)));
+        let [large, small] = [large, small].map(|x| x.max(0.0).sqrt());
         for x in [log2(large + 1e-4), log2(small + 1e-4), large, small] {
             out[next] = x;
             next += 1;
         }
     }
-    for a in 0..RADII.len() {
-        let all = sums.weight(a, RANGES - 1).max(f64::MIN_POSITIVE);
-        for q in 0..RANGES - 1 {
-            out[next] = sums.weight(a, q) / all;
+    for (radius, means) in sums.means.iter().enumerate() {
+        for mean in &means[..RANGES - 1] {
+            out[next] = mean[6] / area(sums, radius);
             next += 1;
         }
     }
-    for (a, sum) in sums.offsets.iter().enumerate() {
-        let mean = sum / sums.weight(a, RANGES - 1).max(f64::MIN_POSITIVE);
+    for (radius, means) in sums.means.iter().enumerate() {
+        let mean = means[RANGES - 1][7] / area(sums, radius);
         out[next] = log2(mean.abs() / state.sigma + 0.01);
         next += 1;
     }

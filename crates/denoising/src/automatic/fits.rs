@@ -1,6 +1,6 @@
 //! Planes and quadrics fitted to weighted points.
 
-use fairing_operators::NormalEquations;
+use fairing_operators::{NormalEquations, NormalFactor};
 use glam::DVec3;
 
 /// The number of moments in a weighted fit of planes and quadrics: the monomials of degrees 0 to 4
@@ -14,28 +14,78 @@ const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
 /// of a plane.
 const POWERS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// Sums of weighted moments.
+/// Sums of weighted moments: `L` of each, for as many points at a time.
 #[derive(Clone, Copy)]
-pub(super) struct LocalFit([f64; MOMENTS]);
+pub(super) struct LocalFit<const L: usize = 1>([[f64; L]; MOMENTS]);
 
-impl LocalFit {
-    pub(super) const EMPTY: Self = Self([0.0; MOMENTS]);
+impl<const L: usize> LocalFit<L> {
+    pub(super) const EMPTY: Self = Self([[0.0; L]; MOMENTS]);
 
-    /// Adds a weighted point.
+    /// Adds weighted points, given by their coordinates. Each moment is a smaller one times a
+    /// coordinate.
     #[inline(always)]
-    pub(super) fn add(&mut self, point: &[f64; MOMENTS], w: f64) {
-        self.0.iter_mut().zip(point).for_each(|(x, p)| *x += w * p);
+    pub(super) fn add(&mut self, [x, y, z]: [[f64; L]; 3], w: [f64; L]) {
+        let sums = &mut self.0;
+        let mut sum = |k: usize, term: [f64; L]| {
+            for l in 0..L {
+                sums[k][l] += term[l];
+            }
+        };
+        sum(0, w);
+        let (wx, wy) = (times(w, x), times(w, y));
+        sum(1, wx);
+        sum(2, wy);
+        let (xx, xy, yy) = (times(wx, x), times(wx, y), times(wy, y));
+        sum(3, xx);
+        sum(4, xy);
+        sum(5, yy);
+        let [xxx, xxy] = [xx, xy].map(|m| times(m, x));
+        let [xyy, yyy] = [xy, yy].map(|m| times(m, y));
+        sum(6, xxx);
+        sum(7, xxy);
+        sum(8, xyy);
+        sum(9, yyy);
+        sum(10, times(xxx, x));
+        sum(11, times(xxy, x));
+        sum(12, times(xyy, x));
+        sum(13, times(xyy, y));
+        sum(14, times(yyy, y));
+        let wz = times(w, z);
+        sum(15, wz);
+        sum(16, times(wx, z));
+        sum(17, times(wy, z));
+        sum(18, times(xx, z));
+        sum(19, times(xy, z));
+        sum(20, times(yy, z));
+        sum(21, times(wz, z));
     }
 
+    /// The sums over all points.
+    #[inline(always)]
+    pub(super) fn total(&self) -> LocalFit {
+        LocalFit(self.0.map(|sums| [sums.iter().sum()]))
+    }
+}
+
+/// The products of numbers.
+#[inline(always)]
+fn times<const L: usize>(mut a: [f64; L], b: [f64; L]) -> [f64; L] {
+    for l in 0..L {
+        a[l] *= b[l];
+    }
+    a
+}
+
+impl LocalFit {
     /// The normal equations of the first `N` unknowns.
     fn equations<const N: usize>(&self) -> NormalEquations<N> {
         let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
         for i in 0..N {
             for j in 0..=i {
                 let [x, y] = [0, 1].map(|k| POWERS[i][k] + POWERS[j][k]);
-                matrix[i][j] = self.0[DEGREES[x + y] + y];
+                matrix[i][j] = self.0[DEGREES[x + y] + y][0];
             }
-            rhs[i] = self.0[15 + i];
+            rhs[i] = self.0[15 + i][0];
         }
         NormalEquations::from_sums(matrix, rhs)
     }
@@ -44,44 +94,14 @@ impl LocalFit {
     pub(super) fn squares<const N: usize>(&self) -> Option<f64> {
         let equations = self.equations::<N>();
         let solution = equations.factor()?.solve(equations.rhs());
-        Some(self.residual(&solution, equations.rhs()).powi(2) * self.0[0])
+        Some(self.residual(&solution, equations.rhs()).powi(2) * self.0[0][0])
     }
 
     /// The root mean square residual of a solution.
     fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
         let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
-        ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
+        ((self.0[MOMENTS - 1][0] - explained).max(0.0) / self.0[0][0]).sqrt()
     }
-}
-
-/// The moments of a point.
-#[inline(always)]
-pub(super) fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
-    let (xx, xy, yy) = (x * x, x * y, y * y);
-    [
-        1.0,
-        x,
-        y,
-        xx,
-        xy,
-        yy,
-        xx * x,
-        xx * y,
-        x * yy,
-        yy * y,
-        xx * xx,
-        xx * xy,
-        xx * yy,
-        xy * yy,
-        yy * yy,
-        z,
-        x * z,
-        y * z,
-        xx * z,
-        xy * z,
-        yy * z,
-        z * z,
-    ]
 }
 
 /// Results of a fit.
@@ -108,8 +128,10 @@ pub(super) fn read_fit(
     sigma: f64,
 ) -> Reading {
     let normal = |x: f64, y: f64| (n - (x * axes[0] + y * axes[1])).normalize_or_zero();
-    let equations = fit.equations::<3>();
-    let Some(plane) = equations.factor() else {
+    let equations = fit.equations::<6>();
+    let quadric = equations.factor();
+    let leading = quadric.as_ref().map(NormalFactor::leading::<3>);
+    let Some(plane) = leading.or_else(|| fit.equations::<3>().factor()) else {
         return Reading {
             normals: [n; 2],
             turn: DVec3::ZERO,
@@ -117,18 +139,18 @@ pub(super) fn read_fit(
             height: 0.0,
         };
     };
-    let p = plane.solve(equations.rhs());
-    let coarse = fit.residual(&p, equations.rhs());
+    let rhs = equations.rhs();
+    let p = plane.solve(&[rhs[0], rhs[1], rhs[2]]);
+    let coarse = fit.residual(&p, rhs);
     let flat = normal(p[1], p[2]);
-    let equations = fit.equations::<6>();
-    let (curved, facet, fine, variance, height) = match equations.factor() {
+    let (curved, facet, fine, variance, height) = match quadric {
         Some(quadric) => {
-            let c = quadric.solve(equations.rhs());
+            let c = quadric.solve(rhs);
             let slopes = [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];
             let variance: f64 = slopes.iter().map(|s| quadric.variance(s)).sum();
             let [x, y] = facet_slope([2.0 * c[3], c[4], 2.0 * c[5]], corners);
             let facet = normal(c[1] + x, c[2] + y);
-            (normal(c[1], c[2]), facet, fit.residual(&c, equations.rhs()), variance, c[0])
+            (normal(c[1], c[2]), facet, fit.residual(&c, rhs), variance, c[0])
         }
         None => {
             let slopes = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -193,10 +215,10 @@ mod tests {
 
     /// The reading of a quadric known at 25 points.
     fn read(corners: [[f64; 2]; 3]) -> Reading {
-        let mut fit = LocalFit::EMPTY;
+        let mut fit = LocalFit::<1>::EMPTY;
         for i in 0..25u8 {
             let [x, y] = [i / 5, i % 5].map(|k| 0.4 * f64::from(k) - 0.7);
-            fit.add(&moments([x, y, height([x, y])]), 1.0);
+            fit.add([[x], [y], [height([x, y])]], [1.0]);
         }
         read_fit(&fit, UP, AXES, corners, 0.1)
     }

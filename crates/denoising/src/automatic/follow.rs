@@ -29,8 +29,8 @@ pub(super) struct Follow<'a> {
 /// The data of a face in a step.
 #[derive(Clone, Copy)]
 struct Aim {
-    normal: DVec3,
-    centroid: DVec3,
+    /// The height of the centroid along the normal.
+    height: f64,
     /// The factor on the gradient of the area of a folded face; zero for other faces.
     opening: f64,
 }
@@ -104,7 +104,7 @@ impl<'a> Follow<'a> {
                     let squares = square(b, c) + square(c, a) + square(a, b);
                     opening = (least - area) / squares.max(f64::MIN_POSITIVE);
                 }
-                Aim { normal, centroid: (a + b + c) * (1.0 / 3.0), opening }
+                Aim { height: normal.dot((a + b + c) * (1.0 / 3.0)), opening }
             })
             .collect();
         (0..x.len())
@@ -118,16 +118,16 @@ impl<'a> Follow<'a> {
                 let (mut open, mut folds) = (DVec3::ZERO, 0u32);
                 for &c in corners {
                     let (f, k) = (c as usize / 3, c as usize % 3);
-                    let aim = &aims[f];
-                    if aim.normal == DVec3::ZERO {
+                    let (normal, Aim { height, opening }) = (normals[f], aims[f]);
+                    if normal == DVec3::ZERO {
                         continue;
                     }
-                    sum += aim.normal.dot(aim.centroid - x[v]) * aim.normal;
+                    sum += (height - normal.dot(x[v])) * normal;
                     count += 1;
-                    if aim.opening > 0.0 {
+                    if opening > 0.0 {
                         let [p, q] = [1, 2].map(|i| x[faces[f][(k + i) % 3] as usize]);
-                        let gradient = 0.5 * aim.normal.cross(q - p);
-                        open += aim.opening * gradient;
+                        let gradient = 0.5 * normal.cross(q - p);
+                        open += opening * gradient;
                         folds += 1;
                     }
                 }

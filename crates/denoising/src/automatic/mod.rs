@@ -1,5 +1,6 @@
 //! Denoising without parameters.
 
+mod around;
 mod correlation;
 mod features;
 mod fits;

@@ -13,6 +13,12 @@ pub const OUTPUTS: usize = CANDIDATES + 2;
 /// The slope of a unit below zero.
 pub const LEAK: f32 = 0.1;
 
+/// The samples that a network sees together: loads of its weights take time.
+pub const BATCH: usize = 4;
+
+/// The outputs of a layer whose sums are in registers together, for each of the samples.
+const COLUMNS: usize = 16;
+
 /// The numbers of a network in one list, in the order of [`Network::parts`].
 pub const PARAMETERS: usize =
     2 * INPUTS + (INPUTS + 1) * HIDDEN + (HIDDEN + 1) * HIDDEN + (HIDDEN + 1) * OUTPUTS;
@@ -37,18 +43,27 @@ pub struct Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// `biases + weightsᵀ x`.
+    /// `biases + weightsᵀ x` for each x.
     #[inline(always)]
-    fn apply<const N: usize>(&self, x: &[f32], out: &mut [f32; N]) {
-        // Local sums, which cannot share memory with the weights.
-        let mut sums = [0.0; N];
-        sums.copy_from_slice(self.biases);
-        for (&x, row) in x.iter().zip(self.weights.chunks_exact(N)) {
-            for (sum, &w) in sums.iter_mut().zip(row) {
-                *sum += x * w;
+    fn apply<const M: usize, const N: usize>(&self, x: [&[f32; M]; BATCH]) -> [[f32; N]; BATCH] {
+        const { assert!(N.is_multiple_of(COLUMNS)) };
+        let mut out = [[0.0; N]; BATCH];
+        for first in (0..N).step_by(COLUMNS) {
+            let mut sums = [[0.0; COLUMNS]; BATCH];
+            sums.iter_mut().for_each(|s| s.copy_from_slice(&self.biases[first..first + COLUMNS]));
+            for (i, row) in self.weights.chunks_exact(N).take(M).enumerate() {
+                let row = &row[first..first + COLUMNS];
+                for (sums, x) in sums.iter_mut().zip(x) {
+                    for (sum, &w) in sums.iter_mut().zip(row) {
+                        *sum += x[i] * w;
+                    }
+                }
+            }
+            for (out, sums) in out.iter_mut().zip(&sums) {
+                out[first..first + COLUMNS].copy_from_slice(sums);
             }
         }
-        *out = sums;
+        out
     }
 }
 
@@ -101,33 +116,37 @@ impl Network {
 }
 
 impl Parts<'_> {
-    /// The outputs for a sample, with the widest vectors of the processor. Multiplications and
+    /// The outputs for samples, with the widest vectors of the processor. Multiplications and
     /// additions are not fused, and no sum is reordered: the bits are the same on all of them.
-    pub(super) fn run(&self, sample: &Sample, trace: &mut Trace) {
-        pulp::Arch::new().dispatch(Running { parts: self, sample, trace });
+    pub(super) fn run(&self, samples: [&Sample; BATCH], traces: &mut [Trace; BATCH]) {
+        pulp::Arch::new().dispatch(Running { parts: self, samples, traces });
     }
 
-    /// The outputs for a sample.
+    /// The outputs for samples.
     #[inline(always)]
-    pub fn run_inline(&self, sample: &Sample, trace: &mut Trace) {
-        let moved = sample.inputs.iter().zip(self.shift).zip(self.scale);
-        for (x, ((&input, shift), scale)) in trace.inputs.iter_mut().zip(moved) {
-            // The training data ends at six deviations.
-            *x = ((input - shift) * scale).clamp(-6.0, 6.0);
+    pub fn run_inline(&self, samples: [&Sample; BATCH], traces: &mut [Trace; BATCH]) {
+        for (trace, sample) in traces.iter_mut().zip(samples) {
+            let moved = sample.inputs.iter().zip(self.shift).zip(self.scale);
+            for (x, ((&input, shift), scale)) in trace.inputs.iter_mut().zip(moved) {
+                // The training data ends at six deviations.
+                *x = ((input - shift) * scale).clamp(-6.0, 6.0);
+            }
         }
-        self.layers[0].apply(&trace.inputs, &mut trace.first);
-        leak(&mut trace.first);
-        self.layers[1].apply(&trace.first, &mut trace.second);
-        leak(&mut trace.second);
-        self.layers[2].apply(&trace.second, &mut trace.outputs);
+        let [first, second, third] = self.layers;
+        let sums = first.apply(traces.each_ref().map(|t| &t.inputs));
+        traces.iter_mut().zip(sums).for_each(|(t, sums)| t.first = sums.map(leak));
+        let sums = second.apply(traces.each_ref().map(|t| &t.first));
+        traces.iter_mut().zip(sums).for_each(|(t, sums)| t.second = sums.map(leak));
+        let sums = third.apply(traces.each_ref().map(|t| &t.second));
+        traces.iter_mut().zip(sums).for_each(|(t, sums)| t.outputs = sums);
     }
 }
 
 /// A call of [`Parts::run`].
 struct Running<'a> {
     parts: &'a Parts<'a>,
-    sample: &'a Sample,
-    trace: &'a mut Trace,
+    samples: [&'a Sample; BATCH],
+    traces: &'a mut [Trace; BATCH],
 }
 
 impl NullaryFnOnce for Running<'_> {
@@ -135,15 +154,13 @@ impl NullaryFnOnce for Running<'_> {
 
     #[inline(always)]
     fn call(self) {
-        self.parts.run_inline(self.sample, self.trace);
+        self.parts.run_inline(self.samples, self.traces);
     }
 }
 
 #[inline(always)]
-fn leak(units: &mut [f32]) {
-    for u in units {
-        *u = u.max(LEAK * *u);
-    }
+fn leak(u: f32) -> f32 {
+    u.max(LEAK * u)
 }
 
 /// The weight of a candidate from its output z: `φ²`, `φ = (z + √(z² + 4))/2`,

@@ -2,8 +2,9 @@
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
-use super::fits::{LocalFit, moments, tangents};
+use super::fits::{LocalFit, tangents};
 use crate::faces::{Hinges, Marks};
 
 /// Faces whose normals differ by more are not joined: 20°.
@@ -237,7 +238,7 @@ impl Regions {
             })
             .filter(|(apart, _)| *apart < APART)
             .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, h) in order {
             let [a, b] = evidence.hinges.all[h as usize].faces.map(|f| root(&mut parent, f));
             if a == b {
@@ -336,13 +337,13 @@ impl Regions {
         let (centre, inverse) = (sums.centre(), 1.0 / sums.size());
         let (mut left, mut all) = (0.0, 0.0);
         for along in axes {
-            let mut fit = LocalFit::EMPTY;
+            let mut fit = LocalFit::<1>::EMPTY;
             let [mut first, mut second] = [0.0; 2];
             for &f in &self.faces[r] {
                 let [a, b, c] = evidence.corners(f as usize);
                 let p = inverse * ((a + b + c) * (1.0 / 3.0) - centre);
                 let z = normals[f as usize].dot(along);
-                fit.add(&moments([p.dot(axes[0]), p.dot(axes[1]), z]), 1.0);
+                fit.add([[p.dot(axes[0])], [p.dot(axes[1])], [z]], [1.0]);
                 (first, second) = (first + z, second + z * z);
             }
             left += fit.squares::<3>()?;
@@ -434,12 +435,12 @@ fn squares(
     let [x, y] = tangents(up);
     let centre = sums.centre();
     let inverse = 1.0 / sums.size();
-    let mut fit = LocalFit::EMPTY;
+    let mut fit = LocalFit::<1>::EMPTY;
     for f in faces {
         let w = evidence.trust[f as usize] / 6.0;
         for p in evidence.corners(f as usize) {
             let p = inverse * (p - centre);
-            fit.add(&moments([p.dot(x), p.dot(y), p.dot(up)]), w);
+            fit.add([[p.dot(x)], [p.dot(y)], [p.dot(up)]], [w]);
         }
     }
     let unit = 1.0 / (inverse * inverse);

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::features::{Gatherer, Seen};
-use super::network::{Network, Parts, Trace, combine};
+use super::around::{Gatherer, Surroundings};
+use super::features::{INPUTS, Sample, Seen, sample};
+use super::network::{BATCH, Network, Parts, Trace, combine};
 use super::state::{QUANTILES, State};
 use super::wide::wide_means;
 use crate::DenoiseError;
@@ -48,52 +49,70 @@ pub fn advance(state: &mut State<'_>, networks: &[Network]) -> Result<(), Denois
 fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
     let wide = wide_means(state);
     let parts: Vec<Parts<'_>> = networks.iter().map(Network::parts).collect();
+    let surroundings = Surroundings::new(state);
     let watch = fairing_watch::current();
     let count = state.normals.len();
     (0..blocks(count))
         .into_par_iter()
         .map_init(
-            || (Gatherer::new(state, &wide), Trace::default()),
-            |(gatherer, trace), block| {
+            || (Gatherer::new(&surroundings), Default::default()),
+            |(gatherer, traces), block| {
                 watch.advance(1);
-                (block * BLOCK..((block + 1) * BLOCK).min(count))
-                    .map(|f| match gatherer.sample(f) {
-                        Some(seen) => answer(&seen, &parts, trace),
-                        None => Answer {
-                            normal: DVec3::ZERO,
-                            anchor: state.current.centroids[f],
-                            residuals: None,
-                        },
-                    })
-                    .collect::<Vec<_>>()
+                let faces = block * BLOCK..((block + 1) * BLOCK).min(count);
+                let mut found = Vec::with_capacity(BLOCK);
+                for first in faces.clone().step_by(BATCH) {
+                    let faces = first..(first + BATCH).min(faces.end);
+                    let mut seen = [const { None }; BATCH];
+                    for (seen, f) in seen.iter_mut().zip(faces.clone()) {
+                        *seen = sample(gatherer, &wide, f);
+                    }
+                    let answers = answer(&seen, &parts, traces);
+                    found.extend(answers.into_iter().zip(faces).map(|(answer, f)| {
+                        let anchor = state.current.centroids[f];
+                        answer.unwrap_or(Answer { normal: DVec3::ZERO, anchor, residuals: None })
+                    }));
+                }
+                found
             },
         )
         .flatten_iter()
         .collect()
 }
 
-/// The direction of the mean of the unit vectors that the networks answer with.
-fn answer(seen: &Seen, networks: &[Parts<'_>], trace: &mut Trace) -> Answer {
-    let mut sum = DVec3::ZERO;
+/// For each of the samples, the direction of the mean of the unit vectors that the networks answer
+/// with.
+fn answer(
+    seen: &[Option<Seen>; BATCH],
+    networks: &[Parts<'_>],
+    traces: &mut [Trace; BATCH],
+) -> [Option<Answer>; BATCH] {
+    static NOTHING: Sample = Sample { inputs: [0.0; INPUTS], spread: 0.0 };
+    let samples = seen.each_ref().map(|seen| seen.as_ref().map_or(&NOTHING, |s| &s.sample));
+    let mut sums = [DVec3::ZERO; BATCH];
     for parts in networks {
-        parts.run(&seen.sample, trace);
-        let (mean, _) = combine(&seen.sample, &trace.outputs);
-        sum += DVec3::from(mean.map(f64::from)).normalize_or_zero();
+        parts.run(samples, traces);
+        for ((sum, sample), trace) in sums.iter_mut().zip(samples).zip(&*traces) {
+            let (mean, _) = combine(sample, &trace.outputs);
+            *sum += DVec3::from(mean.map(f64::from)).normalize_or_zero();
+        }
     }
-    let [a, b, c] = seen.frame;
-    let sum = sum.x * a + sum.y * b + sum.z * c;
-    Answer { normal: sum.normalize_or_zero(), anchor: seen.anchor, residuals: Some(seen.residuals) }
+    std::array::from_fn(|k| {
+        let seen = seen[k].as_ref()?;
+        let [a, b, c] = seen.frame;
+        let normal = (sums[k].x * a + sums[k].y * b + sums[k].z * c).normalize_or_zero();
+        Some(Answer { normal, anchor: seen.anchor, residuals: Some(seen.residuals) })
+    })
 }
 
 /// The inputs of the networks at some faces; `None` for a face without a normal.
 pub fn samples(state: &State<'_>, faces: &[u32]) -> Vec<Option<Seen>> {
-    let wide = wide_means(state);
+    let (wide, surroundings) = (wide_means(state), Surroundings::new(state));
     faces
         .par_chunks(BLOCK)
         .map_init(
-            || Gatherer::new(state, &wide),
+            || Gatherer::new(&surroundings),
             |gatherer, block| {
-                block.iter().map(|&f| gatherer.sample(f as usize)).collect::<Vec<_>>()
+                block.iter().map(|&f| sample(gatherer, &wide, f as usize)).collect::<Vec<_>>()
             },
         )
         .flatten_iter()

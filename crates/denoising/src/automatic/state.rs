@@ -221,6 +221,7 @@ fn mean_centroids(centroids: &[DVec3], rings: &FaceLists) -> Vec<DVec3> {
 /// The longest side of each face.
 fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
     (0..mesh.face_count())
+        .into_par_iter()
         .map(|f| {
             let [a, b, c] = mesh.triangle(f).map(DVec3::from);
             a.distance(b).max(b.distance(c)).max(c.distance(a))

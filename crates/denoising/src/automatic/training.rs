@@ -4,7 +4,7 @@
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
 pub use super::model::Model;
 pub use super::network::{
-    HIDDEN, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Parts, Trace, combine, turn, weight,
+    BATCH, HIDDEN, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Parts, Trace, combine, turn, weight,
 };
 pub use super::stage::{advance, samples};
 pub use super::state::State;

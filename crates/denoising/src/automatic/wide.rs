@@ -1,10 +1,11 @@
 //! Means of noisy normals over wide regions that end at creases.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::features::{WIDE, WIDE_RANGES};
 use super::state::State;
+use crate::faces::NO_HINGE;
 
 /// For each diffusion: the range of differences between normals, the strength t, and the steps.
 const DIFFUSIONS: [(usize, f64, usize); 4] =
@@ -55,16 +56,14 @@ pub(crate) fn wide_means(state: &State<'_>) -> [Vec<DVec3>; WIDE] {
     std::array::from_fn(|_| all.next().unwrap_or_default())
 }
 
-/// The system of one diffusion.
+/// The system of one diffusion, each row divided by its diagonal.
 struct Diffusion {
     strength: f64,
     masses: Vec<f64>,
     /// The right-hand side.
     target: Vec<DVec3>,
     /// The face across each side, and t times the weight.
-    rows: Vec<[(u32, f64); 3]>,
-    /// One over the diagonal.
-    inverse: Vec<f64>,
+    rows: Vec<[(u32, f32); 3]>,
 }
 
 impl Diffusion {
@@ -72,58 +71,56 @@ impl Diffusion {
         let (noisy, areas) = (&state.noisy, &state.current.areas);
         let count = areas.len();
         let least = MIN_MASS * areas.iter().sum::<f64>() / count.max(1) as f64;
-        let masses: Vec<f64> = areas
-            .iter()
-            .zip(&state.trust)
-            .map(|(a, t)| (a * t).max(least).max(f64::MIN_POSITIVE))
-            .collect();
-        let weights: Vec<f64> = (state.hinges.all.par_iter())
-            .map(|hinge| {
-                let [f, g] = hinge.faces.map(|f| f as usize);
-                let (m, n) = (state.normals[f], state.normals[g]);
-                if m == DVec3::ZERO || n == DVec3::ZERO {
-                    return 0.0;
-                }
-                let similarity = state.similarity(m - n, range);
-                0.5 * strength * (areas[f] + areas[g]) * similarity
-            })
-            .collect();
-        let rows: Vec<[(u32, f64); 3]> = (0..count)
-            .into_par_iter()
-            .map(|f| {
-                let (sides, beside) = (state.hinges.of_face[f], state.hinges.beside[f]);
-                [0, 1, 2].map(|k| match weights.get(sides[k] as usize) {
-                    Some(&weight) => (beside[k], weight),
-                    None => (f as u32, 0.0),
-                })
-            })
-            .collect();
-        let inverse: Vec<f64> = (masses.iter().zip(&rows))
-            .map(|(m, row)| 1.0 / (m + row.iter().map(|(_, w)| w).sum::<f64>()))
-            .collect();
-        let target = (0..count)
-            .into_par_iter()
-            .map(|f| noisy.areas[f] * state.trust[f] * noisy.normals[f])
-            .collect();
-        Self { strength, masses, target, rows, inverse }
+        let least = least.max(f64::MIN_POSITIVE);
+        let weight = |f: usize, g: u32| {
+            let Some(&n) = state.normals.get(g as usize) else { return 0.0 };
+            if n == DVec3::ZERO || state.normals[f] == DVec3::ZERO {
+                return 0.0;
+            }
+            let similarity = state.similarity(state.normals[f] - n, range);
+            0.5 * strength * (areas[f] + areas[g as usize]) * similarity
+        };
+        let mut system = Self { strength, masses: vec![], target: vec![], rows: vec![] };
+        let row = |f: usize| {
+            let beside = state.hinges.beside[f];
+            let weights = beside.map(|g| weight(f, g));
+            let mass = (areas[f] * state.trust[f]).max(least);
+            let inverse = 1.0 / (mass + weights.iter().sum::<f64>());
+            let side = |k: usize| match beside[k] {
+                NO_HINGE => (f as u32, 0.0),
+                g => (g, (inverse * weights[k]) as f32),
+            };
+            let vector = noisy.areas[f] * state.trust[f] * noisy.normals[f];
+            (inverse * mass, (inverse * vector, [0, 1, 2].map(side)))
+        };
+        (system.masses, (system.target, system.rows)) = (0..count).into_par_iter().map(row).unzip();
+        system
     }
 
     /// Adds the diffusion of what x leaves of the noisy normals.
-    fn sharpen(mut self, x: &mut Vec<DVec3>, steps: usize) {
+    fn sharpen(mut self, x: &mut [DVec3], steps: usize) {
         (self.target.par_iter_mut().zip(&self.masses).zip(&*x))
             .for_each(|((target, m), x)| *target = 2.0 * *target - *m * *x);
         self.solve(x, steps);
     }
 
     /// Chebyshev's iteration from x, in a fixed number of steps, so that nothing depends on
-    /// rounding.
-    fn solve(&self, x: &mut Vec<DVec3>, steps: usize) {
+    /// rounding. The change of x is small where there is little noise, and in single precision.
+    fn solve(&self, x: &mut [DVec3], steps: usize) {
         // Scaled by the diagonal, eigenvalues are below 2. Those of faces of usual mass are above
         // the lower end; the iteration does not increase parts below it.
         let low = 1.0 / (1.0 + 3.0 * self.strength);
         let (middle, half) = (0.5 * (2.0 + low), 0.5 * (2.0 - low));
-        let mut step = vec![DVec3::ZERO; x.len()];
-        let mut next = step.clone();
+        let start = |f: usize| {
+            let mut residual = self.target[f] - self.masses[f] * x[f];
+            for &(g, w) in &self.rows[f] {
+                residual += f64::from(w) * (x[g as usize] - x[f]);
+            }
+            residual.as_vec3a()
+        };
+        let residuals: Vec<Vec3A> = (0..x.len()).into_par_iter().map(start).collect();
+        let mut change = vec![Vec3A::ZERO; x.len()];
+        let mut next = change.clone();
         let mut rho = half / middle;
         for k in 0..steps {
             let (turn, gain) = if k == 0 {
@@ -134,17 +131,19 @@ impl Diffusion {
                 rho = smaller;
                 found
             };
-            let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(MIN_FACES);
-            both.for_each(|(f, (step, next))| {
-                let mut residual = self.target[f] - self.masses[f] * x[f];
+            let (turn, gain) = (turn as f32, gain as f32);
+            // The next change replaces the one before the last.
+            next.par_iter_mut().enumerate().with_min_len(MIN_FACES).for_each(|(f, next)| {
+                let now = change[f];
+                let mut residual = residuals[f] - now;
                 for &(g, w) in &self.rows[f] {
-                    residual += w * (x[g as usize] - x[f]);
+                    residual += w * change[g as usize];
                 }
-                *step = turn * *step + gain * self.inverse[f] * residual;
-                *next = x[f] + *step;
+                *next = now + (turn * (now - *next) + gain * residual);
             });
-            std::mem::swap(x, &mut next);
+            std::mem::swap(&mut change, &mut next);
         }
+        x.par_iter_mut().zip(change).for_each(|(x, change)| *x += change.as_dvec3());
     }
 }
 
