@@ -108,7 +108,10 @@ def test_the_tour_runs() -> None:
 def test_the_program_that_the_laboratory_copies_runs(tmp_path: Path) -> None:
     pf.shapes.cylinder(0.5, 2.0, 24, 20, ends="open").write(tmp_path / "pipe.ply")
     subprocess.run([sys.executable, HERE / "examples" / "laboratory.py"], cwd=tmp_path, check=True)
-    assert pf.read(tmp_path / "pipe-fairing.ply").volume is not None
+    result, first = (pf.read(tmp_path / f"pipe-{name}.ply") for name in ("fairing", "0"))
+    assert result.volume is not None and first.volume is None
+    assert {"mean", "direction1", "distance", "mode"} <= set(result.fields) & set(first.fields)
+    assert result.fields["distance"][0] == 0.0 and result.fields["mode"].std() > 0.1
 
 
 def test_metadata_is_complete() -> None:

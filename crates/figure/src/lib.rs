@@ -9,6 +9,8 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+#[doc(hidden)]
+pub mod bundle;
 mod camera;
 mod color;
 mod colorbar;
@@ -49,6 +51,8 @@ pub use normals::Shading;
 pub use number::number;
 pub use occlusion::Occlusion;
 pub use page::{Exhibit, page};
+#[doc(hidden)]
+pub use page::{VIEWER, color_maps};
 pub use plot::{Axis, AxisScale, Legend, Plot, Series, Shape};
 pub use render::{Colors, render};
 pub use render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};

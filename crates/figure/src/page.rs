@@ -6,22 +6,33 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use fairing_mesh::TriMesh;
 
+use crate::bundle::{Module, bundle, compact};
 use crate::camera::Up;
 use crate::error::FigureError;
 use crate::field::Field;
 use crate::maps::ColorMap;
 use crate::svg::escape;
 
-/// The scripts, each after those that it uses; one scope holds them all.
-const SCRIPTS: [&str; 7] = [
-    include_str!("../viewer/dom.js"),
-    include_str!("../viewer/renderer.js"),
-    include_str!("../viewer/camera.js"),
-    include_str!("../viewer/steer.js"),
-    include_str!("../viewer/bar.js"),
-    include_str!("../viewer/viewer.mjs"),
-    include_str!("../viewer/show.mjs"),
-];
+/// The modules of the viewer, for [`bundle`] and the pages of other crates.
+pub const VIEWER: [Module<'static>; 10] = {
+    macro_rules! viewer {
+        ($($file:literal),*) => {
+            [$((concat!("figure/viewer/", $file), include_str!(concat!("../viewer/", $file)))),*]
+        };
+    }
+    viewer![
+        "bar.mjs",
+        "camera.mjs",
+        "colors.mjs",
+        "dom.mjs",
+        "geometry.mjs",
+        "pictures.mjs",
+        "renderer.mjs",
+        "show.mjs",
+        "steer.mjs",
+        "viewer.mjs"
+    ]
+};
 
 const STYLE: &str =
     concat!(include_str!("../viewer/style.css"), include_str!("../viewer/show.css"));
@@ -83,9 +94,10 @@ pub fn page(exhibits: &[Exhibit<'_>], shown: Option<&str>, up: Up) -> Result<Str
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head>\
+         <link rel=\"icon\" href=\"data:,\"><style>{style}</style></head>\
          <body data-up=\"{up}\" data-center=\"{x} {y} {z}\"{field}>{BODY}",
         title = escape(&titles.join(", ")),
+        style = compact(STYLE),
         up = if up == Up::Z { "z" } else { "y" },
         field = shown.map(|name| format!(" data-field=\"{}\"", escape(name))).unwrap_or_default(),
         x = center[0],
@@ -95,20 +107,23 @@ pub fn page(exhibits: &[Exhibit<'_>], shown: Option<&str>, up: Up) -> Result<Str
     for exhibit in exhibits {
         write_mesh(&mut html, exhibit, center)?;
     }
-    for map in [ColorMap::Viridis, ColorMap::CoolWarm] {
-        let colors = (0..256).flat_map(|i| map.at(f64::from(i) / 255.0));
-        block(&mut html, "map", map.name(), colors);
-    }
-    html += "<script type=\"module\">\n";
-    for line in SCRIPTS.iter().flat_map(|script| script.lines()) {
-        let line = line.trim_start();
-        if !(line.is_empty() || line.starts_with("import ") || line.starts_with("//")) {
-            html += line.strip_prefix("export ").unwrap_or(line);
-            html.push('\n');
-        }
-    }
-    html += "</script></body></html>\n";
+    let maps = color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]);
+    let script = bundle("figure/viewer/show.mjs", &VIEWER).expect("the modules fit together");
+    let _ = write!(
+        html,
+        "<script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n\
+         <script type=\"module\">\n{script}</script></body></html>\n"
+    );
     Ok(html)
+}
+
+/// Colour maps as the viewer reads them: an object of 256 colours each, in base64.
+pub fn color_maps(maps: &[ColorMap]) -> String {
+    let entry = |map: &ColorMap| {
+        let colors: Vec<u8> = (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).collect();
+        format!("\"{}\":\"{}\"", map.name(), BASE64.encode(colors))
+    };
+    format!("{{{}}}", maps.iter().map(entry).collect::<Vec<_>>().join(","))
 }
 
 fn write_mesh(

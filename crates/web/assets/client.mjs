@@ -1,8 +1,10 @@
 /**
- * The side of the page: requests as promises, answered in their order by a worker that owns the module.
+ * The side of the page: requests as promises, answered in their order by a worker that owns the
+ * module.
  *
- * A worker at work hears nothing, so cancelling ends it; a new one takes over the meshes, of which the page has
- * copies. The same happens after a defect or where memory runs out: `call` fails, and the next one succeeds.
+ * A worker at work hears nothing, so cancelling ends it; a new one takes over the meshes, of which
+ * the page has copies. The same happens after a defect or where memory runs out: `call` fails, and
+ * the next one succeeds.
  */
 export class Client {
   #module;
@@ -27,8 +29,8 @@ export class Client {
   }
 
   /**
-   * Answers a request: `{value, arrays}`. `bytes` are those of a file, and are copied; `onProgress` takes the name of a
-   * stage, the parts done and their number, 0 if unknown.
+   * Answers a request: `{value, arrays}`. `bytes` are those of a file, and are copied; `onProgress`
+   * takes the name of a stage, the parts done and their number, 0 if unknown.
    */
   call(request, {bytes, onProgress} = {}) {
     return new Promise((resolve, reject) => {
@@ -38,7 +40,10 @@ export class Client {
     });
   }
 
-  /** Positions, faces and normals of a mesh, of which the page keeps a copy with all fields until `drop`. */
+  /**
+   * Positions, faces and normals of a mesh, of which the page keeps a copy with all fields until
+   * `drop`.
+   */
   async mesh(number) {
     const known = this.#held.get(number);
     if (known) return known;
@@ -49,14 +54,20 @@ export class Client {
     return held;
   }
 
-  /** Copies the fields of a mesh that are not scalars of vertices: once for a mesh, and after a request that sets some. */
+  /**
+   * Copies the fields of a mesh that are not scalars of vertices: once for a mesh, and after a
+   * request that sets some.
+   */
   async keepOthers(number) {
     const {value, arrays} = await this.call({verb: 'others', mesh: number});
     const held = this.#held.get(number);
     if (held) held.others = {list: value.fields, bytes: arrays.bytes};
   }
 
-  /** Gives a mesh that the page has made to the module, and keeps it until `drop`; the answer is its number. */
+  /**
+   * Gives a mesh that the page has made to the module, and keeps it until `drop`; the answer is its
+   * number.
+   */
   async add(positions, faces) {
     const held = {positions, faces, fields: new Map()};
     const {value} = await this.call(...adoption(held));
@@ -77,7 +88,9 @@ export class Client {
     return this.call({verb: 'drop', mesh: number});
   }
 
-  /** Ends all requests without an answer: their promises fail with an error that has `isCancelled`. */
+  /**
+   * Ends all requests without an answer: their promises fail with an error that has `isCancelled`.
+   */
   cancel() {
     if (this.#waiting.size > 0) this.#restart('cancelled', true);
   }

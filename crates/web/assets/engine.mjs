@@ -1,6 +1,7 @@
 /**
- * The module of Fairing: an instance with a memory of its own, and the meshes in it. Requests and answers are those of
- * `crates/web/src/memory.rs`. After an error with `isBroken` the instance must not be used again.
+ * The module of Fairing: an instance with a memory of its own, and the meshes in it. Requests and
+ * answers are those of `crates/web/src/memory.rs`. After an error with `isBroken` the instance must
+ * not be used again.
  */
 export class Engine {
   /** `onProgress` takes the name of a stage, the parts done and their number, 0 if unknown. */
@@ -34,8 +35,8 @@ export class Engine {
   }
 
   /**
-   * Answers a request, with the bytes that belong to it. The arrays of the answer are views of the memory of the
-   * module: they are gone with the next call.
+   * Answers a request, with the bytes that belong to it. The arrays of the answer are views of the
+   * memory of the module: they are gone with the next call.
    */
   call(request, bytes = new Uint8Array()) {
     const text = new TextEncoder().encode(JSON.stringify(request));

@@ -1,6 +1,8 @@
 import {Client} from './client.mjs';
 
-/** The bytes of a text of digits to the base 85, as `crates/report/src/page/base85.rs` writes it. */
+/**
+ * The bytes of a text of digits to the base 85, as `crates/report/src/page/base85.rs` writes it.
+ */
 function bytesOfDigits(text) {
   const bytes = new Uint8Array(Math.floor((4 * text.length) / 5));
   for (let at = 0, i = 0; at < bytes.length; at += 4, i += 5) {
@@ -15,8 +17,8 @@ function bytesOfDigits(text) {
 }
 
 /**
- * A client of the module that the page carries: the element `module` holds its bytes, compressed by gzip, in digits,
- * the element `worker` the script of a worker. Works in pages from disk too.
+ * A client of the module that the page carries: the element `module` holds its bytes, compressed by
+ * gzip, in digits, the element `worker` the script of a worker. Works in pages from disk too.
  */
 export async function clientOfPage() {
   const textOf = (id) => document.getElementById(id).textContent;

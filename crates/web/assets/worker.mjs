@@ -1,9 +1,9 @@
 import {Engine} from './engine.mjs';
 
 /**
- * The side of the worker: takes the compiled module first, then requests `{id, request, bytes}`, and answers each with
- * `{id, value, arrays}` or `{id, error, isBroken}`; meanwhile `{id, stage, done, of}`. Arrays are copied once, as a
- * whole, and transferred.
+ * The side of the worker: takes the compiled module first, then requests `{id, request, bytes}`,
+ * and answers each with `{id, value, arrays}` or `{id, error, isBroken}`; meanwhile `{id, stage,
+ * done, of}`. Arrays are copied once, as a whole, and transferred.
  */
 let engine = null;
 let current = 0;

@@ -68,7 +68,7 @@ window.press = (name) => act(() => laboratory.part[name].click());
 window.sample = (name) => act(() => [...laboratory.part.samples.children].find((b) => b.textContent === name).click());
 window.task = (name, values = {}) => {
   laboratory.turnTo(name);
-  for (const [key, value] of Object.entries(values)) laboratory.panels[name].inputs.get(key).value = value;
+  for (const [key, value] of Object.entries(values)) laboratory.forms[name].inputs.get(key).value = value;
 };
 window.seen = () => [...document.querySelectorAll('.panels canvas')].map((c) => (
   c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)));
@@ -147,6 +147,12 @@ fn tasks(chrome: &mut Chrome, report: &Path) -> Result<()> {
     ensure!(tasks[1] == taken, "{}", tasks[1]);
     ensure!(tasks[3].as_str().is_some_and(|t| t.contains("Hausdorff")), "{}", tasks[3]);
     chrome.picture("laboratory")?;
+    let accepted = chrome.run("laboratory.part.file.accept")?;
+    let accepted: Vec<&str> = accepted.as_str().unwrap_or_default().split(',').collect();
+    let endings = Format::ALL.iter().flat_map(|format| format.extensions());
+    for ending in endings.chain(&["gz"]) {
+        ensure!(accepted.contains(&&*format!(".{ending}")), "{ending} is not in {accepted:?}");
+    }
     let outside = |url: &&String| !["file:", "data:", "blob:"].iter().any(|s| url.starts_with(s));
     let outside: Vec<_> = chrome.requests.iter().filter(outside).collect();
     ensure!(outside.is_empty(), "{outside:?}");
@@ -161,7 +167,7 @@ fn sliders(chrome: &mut Chrome, report: &Path) -> Result<()> {
            task('noise');
            await press('run');
            laboratory.took = 0;
-           const {place, inputs} = laboratory.panels.noise;
+           const {place, inputs} = laboratory.forms.noise;
            const [slider, number] = [place.querySelector('input[type=range]'), inputs.get('sigma')];
            const sigma = () => [laboratory.steps.length, laboratory.last.request.values.sigma, number.value, Number(slider.value)];
            const move = (input, value, name) => act(() => {
@@ -236,11 +242,21 @@ const STEPS: &str = "(async () => {
   await press('run');
   task('smooth', {lambda: '0.3', iterations: '2'});
   await press('run');
-  laboratory.panels.denoise.method = 'bilateral-normal';
-  laboratory.panels.denoise.build();
+  laboratory.forms.denoise.method = 'bilateral-normal';
+  laboratory.forms.denoise.build();
   task('denoise');
   await press('run');
   task('repair', {tolerance: '0.01', holes: '30'});
+  await press('run');
+  task('curvature');
+  await press('run');
+  task('distance', {sources: '0,5-6'});
+  await press('run');
+  task('spectrum', {k: '12'});
+  await press('run');
+  laboratory.part.mode.value = 3;
+  await act(() => laboratory.part.mode.dispatchEvent(new Event('input')));
+  task('compare', {'feature-angle': '40'});
   await press('run');
   let text;
   navigator.clipboard.writeText = async (given) => { text = given; };
@@ -250,7 +266,9 @@ const STEPS: &str = "(async () => {
     await laboratory.copy();
     all.push(text);
   }
-  return [all, laboratory.part.words.textContent, laboratory.part.language.querySelector('[value=link]').disabled];
+  const fields = Object.fromEntries([...laboratory.last.fields].map(([name, values]) => [name, [...values]]));
+  const listed = [...laboratory.part.steps.lastChild.querySelectorAll('li')].map((li) => li.textContent);
+  return [all, laboratory.part.words.textContent, laboratory.part.language.querySelector('[value=link]').disabled, fields, listed];
 })()";
 
 /// The program and the crates do what the page did. The package for Python runs the third text in
@@ -263,6 +281,13 @@ fn programs(chrome: &mut Chrome, report: &Path) -> Result<()> {
     drop_mesh(chrome, "pipe.ply", &pipe)?;
     let found = chrome.run(STEPS)?;
     ensure!(found[1] == "Copied." && found[2] == true, "{found}");
+    let listed = json!([
+        "Curvature: jet3",
+        "Distance: sources 0,5-6",
+        "Modes: k 12",
+        "Compare: feature-angle 40"
+    ]);
+    ensure!(found[4] == listed, "{}", found[4]);
     let [shell, rust, python] = [0, 1, 2].map(|k| found[0][k].as_str().unwrap_or_default());
     ensure!(rust == include_str!("copied.txt"), "{rust}");
     ensure!(python == include_str!("../../../python/examples/laboratory.py"), "{python}");
@@ -276,15 +301,56 @@ fn programs(chrome: &mut Chrome, report: &Path) -> Result<()> {
     let output =
         Command::new("sh").args(["-ec", shell]).env("PATH", paths).current_dir(&folder).output()?;
     ensure!(output.status.success(), "{shell}: {}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    ensure!(printed.contains("Hausdorff"), "{printed}");
     let here = std::env::current_dir()?;
     std::env::set_current_dir(&folder)?;
     let ran = copied::run().map_err(|error| anyhow::anyhow!("{error}"));
     std::env::set_current_dir(here)?;
     ran?;
-    for file in ["pipe-4.ply", "pipe-fairing.ply"] {
-        ensure!(io::read(folder.path().join(file))?.mesh == shown, "{file} differs");
+    for (file, mesh, names) in FILES {
+        let read = io::read(folder.path().join(file))?;
+        ensure!(read.mesh == *if mesh { &shown } else { &pipe }, "{file} differs");
+        for name in names {
+            let values = read.fields.scalar(name).with_context(|| format!("{file}: {name}"))?;
+            if mesh {
+                same_values(name, values, &found[3][name]).context(file)?;
+            }
+        }
     }
+    let modes = fairing_spectral::Spectrum::load(folder.path().join("pipe-4-modes.npz"))?;
+    let mode = modes.modes.column(3).to_vec();
+    same_values("mode", &mode, &found[3]["mode"])?;
     quiet(chrome)
+}
+
+/// The files of the copied programs with their fields: of the result, or of the first mesh.
+const FILES: [(&str, bool, &[&str]); 7] = [
+    ("pipe-4.ply", true, &[]),
+    ("pipe-4-curvature.ply", true, &["mean", "gaussian", "kappa1", "kappa2"]),
+    ("pipe-4-distance.ply", true, &["distance"]),
+    ("pipe-fairing.ply", true, &["mean", "gaussian", "kappa1", "kappa2", "distance", "mode"]),
+    ("pipe-curvature.ply", false, &["mean"]),
+    ("pipe-distance.ply", false, &["distance"]),
+    ("pipe-0.ply", false, &["mean", "distance", "mode"]),
+];
+
+/// Values agree: in all bits, or to the rounding of a factorisation; modes up to their sign.
+fn same_values(name: &str, values: &[f64], shown: &Value) -> Result<()> {
+    let shown: Vec<f64> =
+        shown.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    ensure!(values.len() == shown.len() && !values.is_empty(), "{name}: {} values", shown.len());
+    let off = |sign: f64| {
+        let pairs = values.iter().zip(&shown);
+        pairs.map(|(a, b)| (sign * a - b).abs()).fold(0.0, f64::max)
+    };
+    let (off, limit) = match name {
+        "distance" => (off(1.0), 1e-8),
+        "mode" => (off(1.0).min(off(-1.0)), 1e-6),
+        _ => (off(1.0), 0.0),
+    };
+    ensure!(off <= limit, "{name} is off by {off:e}");
+    Ok(())
 }
 
 fn links(chrome: &mut Chrome, report: &Path) -> Result<()> {
@@ -296,6 +362,8 @@ fn links(chrome: &mut Chrome, report: &Path) -> Result<()> {
            await press('run');
            task('smooth');
            await press('run');
+           task('distance', {sources: '7'});
+           await press('run');
            return laboratory.written('link');
          })()",
     )?;
@@ -304,6 +372,8 @@ fn links(chrome: &mut Chrome, report: &Path) -> Result<()> {
     chrome.new_tab()?;
     open(chrome, report, &format!("#{after}"))?;
     ensure!(last(chrome)? == before, "{link} leads elsewhere");
+    let zero = chrome.run("laboratory.last.fields.get('distance')[7]")?;
+    ensure!(zero.as_f64().is_some_and(|d| d.abs() < 1e-9), "{zero}");
     chrome.new_tab()?;
     open(chrome, report, "#sample=cube&step=smooth~sandpaper")?;
     let words = chrome.run("laboratory.part.words.textContent")?;

@@ -309,12 +309,12 @@ const FRAMES: &str = "() => {
       faces.push(at(0, 0), at(1, 0), at(0, 1), at(1, 0), at(1, 1), at(0, 1));
     }
   }
-  const camera = new Camera(30, 20);
+  const camera = new fairing.Camera(30, 20);
   const lookup = new Uint8Array(3 * 1024);
   const panels = [0, 1].map(() => {
     const canvas = document.createElement('canvas');
     [canvas.width, canvas.height] = [550, 412];
-    const mesh = {vertices: m * n, faces: Uint32Array.from(faces), zeros: new Float32Array(m * n)};
+    const mesh = {vertices: m * n, faces: Uint32Array.from(faces)};
     const scene = {mesh, shape: {points, normals: points}, values: null, camera, lookup, range: [0, 1], pixel: 1};
     return [canvas.getContext('2d'), scene];
   });
@@ -323,8 +323,8 @@ const FRAMES: &str = "() => {
     for (let k = 0; k < most && best > wanted; k++) {
       camera.turn(3, 1);
       const start = performance.now();
-      if (part < 1) Renderer.drawMoving(panels.map(([target, scene]) => ({target, scene})), part);
-      else for (const [target, scene] of panels) Renderer.draw(target, scene);
+      if (part < 1) fairing.Renderer.drawMoving(panels.map(([target, scene]) => ({target, scene})), part);
+      else for (const [target, scene] of panels) fairing.Renderer.draw(target, scene);
       for (const [target] of panels) target.getImageData(0, 0, 1, 1);
       best = Math.min(best, performance.now() - start);
     }

@@ -164,7 +164,7 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
         ensure!(found[6].as_str().is_some_and(|w| w.contains("times as much")), "{}", found[6]);
     }
     let words = chrome.run(
-        "(() => { const p = fairing.views.get('play-noise'); p.step(1); return p.words.textContent; })()",
+        "(() => { const p = fairing.views.get('play-noise'); p.step(p.shown[0], 1); return p.words.textContent; })()",
     )?;
     let words = words.as_str().unwrap_or_default();
     ensure!(["exact", "estimate", "error"].iter().all(|w| words.contains(w)), "{words}");

@@ -23,7 +23,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let files: Vec<(&PathBuf, Vec<Line<'_>>)> = texts
         .iter()
         .filter(|(path, _)| {
-            path.extension().is_some_and(|e| e == "rs" || e == "js" || e == "py")
+            path.extension().is_some_and(|e| e == "rs" || e == "mjs" || e == "py")
                 && !in_report(path)
         })
         .map(|(path, text)| (path, lines(text)))

@@ -15,7 +15,7 @@ pub(super) fn lengths(root: &Path) -> Result<Vec<String>> {
     for (path, text) in texts(root)? {
         let code = path
             .extension()
-            .is_some_and(|e| ["rs", "js", "css", "html", "py", "sh"].iter().any(|k| e == *k));
+            .is_some_and(|e| ["rs", "mjs", "css", "html", "py", "sh"].iter().any(|k| e == *k));
         let lines = text.lines().count();
         if code && !in_report(&path) && lines > MAX_LINES {
             broken.push(format!("{} has {lines} lines", path.display()));

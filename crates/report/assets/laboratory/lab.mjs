@@ -1,11 +1,17 @@
 import {clientOfPage} from '../../../web/assets/page.mjs';
-import {Panel} from './panel.mjs';
+import {colorMaps} from '../../../figure/viewer/colors.mjs';
+import {element, readable} from '../../../figure/viewer/dom.mjs';
+import {Form} from './form.mjs';
+import {followTheme} from '../theme.mjs';
 import {link, linked, python, rust, shell, stem} from './programs.mjs';
-import {CURVATURE, labelled, leftOut, measured, reported} from './words.mjs';
+import {Renderer} from '../../../figure/viewer/renderer.mjs';
 import {Viewer} from '../../../figure/viewer/viewer.mjs';
+import {CURVATURE, labelled, leftOut, measured, reported} from './words.mjs';
 
-/** Requests of tasks that only add fields to a mesh; all others make a new one. */
-const FIELDS = {curvature: 'mean', distance: 'distance', spectrum: 'mode'};
+/**
+ * Requests that only add fields to a mesh, and the field that they show; all others make a new one.
+ */
+const FIELDS = {curvature: 'mean', distance: 'distance', spectrum: 'mode', mode: 'mode'};
 /** Milliseconds within which a task is run again without being asked for. */
 const QUICK = 500;
 const TITLES = {
@@ -20,9 +26,21 @@ const TITLES = {
   compare: 'Compare',
 };
 
+/** The method of a request, if its task has several, and the values that were given, in words. */
+function said({verb, method, values}) {
+  const given = Object.entries(values).map(([name, x]) => `${name} ${x}`);
+  return [method === verb ? '' : method, ...given].filter(Boolean).join(', ');
+}
+
+/** A request in the list of steps. */
+function listed(request) {
+  return [TITLES[request.verb], said(request)].filter(Boolean).join(': ');
+}
+
 /**
- * The laboratory. `steps` are the meshes from the original to the result, each with the request that made it; pictures
- * show the first and the last.
+ * The laboratory. `steps` are the meshes from the original to the result, each with the request
+ * that made it and, by verb, those that were `asked` of it since; pictures show the first and the
+ * last.
  */
 class Laboratory {
   constructor(client, tables, maps) {
@@ -30,10 +48,10 @@ class Laboratory {
     this.tables = tables;
     this.steps = [];
     this.undone = [];
-    this.panels = {};
+    this.forms = {};
     this.task = 'curvature';
     this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
-    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), labelled);
+    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), {labelled});
     this.build();
   }
 
@@ -68,12 +86,14 @@ class Laboratory {
       else this.undo();
     });
     for (const [task, title] of Object.entries(TITLES)) {
-      this.panels[task] = new Panel(tables.tasks[task], () => this.again());
+      this.forms[task] = new Form(tables.tasks[task], () => this.again());
       const button = element('button', {type: 'button', 'data-task': task}, title);
       button.addEventListener('click', () => this.turnTo(task));
       part.tasks.append(button);
     }
     for (const {name, extensions: [value]} of tables.formats) part.format.append(element('option', {value, selected: value === 'ply'}, name));
+    part.readable.textContent = tables.formats.map(({name}) => name).join(', ').replace(/, ([^,]*)$/, ' or $1');
+    part.file.accept = [...tables.formats.flatMap(({extensions}) => extensions), 'gz'].map((end) => `.${end}`).join();
     part.format.addEventListener('input', () => this.settle());
     part.run.addEventListener('click', () => this.run(false));
     part.add.addEventListener('click', () => this.run(true));
@@ -82,22 +102,15 @@ class Laboratory {
     part.download.addEventListener('click', () => this.download());
     part.redo.addEventListener('click', () => this.redo());
     part.copy.addEventListener('click', () => this.copy());
-    part.field.addEventListener('input', () => this.viewer.change({field: part.field.value || null}));
-    for (const key of ['lines', 'wire', 'flat']) {
-      part[key].addEventListener('input', () => this.viewer.change({[key]: part[key].checked}));
-    }
-    part.reset.addEventListener('click', () => {
-      this.viewer.camera.reset();
-      this.viewer.redraw();
-    });
-    part.mode.addEventListener('input', () => this.guarded(() => this.mode()));
+    this.viewer.follow(part);
+    part.mode.addEventListener('input', () => this.guarded(() => this.mode(Number(part.mode.value))));
     this.turnTo(this.task);
   }
 
   turnTo(task) {
     this.task = task;
     for (const button of this.part.tasks.children) button.setAttribute('aria-pressed', button.dataset.task === task);
-    this.part.form.replaceChildren(this.panels[task].place);
+    this.part.form.replaceChildren(this.forms[task].place);
     this.settle();
   }
 
@@ -168,7 +181,7 @@ class Laboratory {
     await this.sample(sample);
     for (const step of steps) {
       if (this.took === Infinity) return;
-      await this.guarded(() => this.take(step));
+      await this.guarded(() => this.does(step));
     }
   }
 
@@ -182,9 +195,10 @@ class Laboratory {
       this.undone = [];
       await this.push(value, name, request);
       this.name = request.verb === 'sample' ? `${name}.ply` : name;
-      this.viewer.state.vertex = -1;
-      const {unwelded, report} = value;
-      if (unwelded) this.say('The faces do not share their corners, as in STL files: run Repair first.');
+      this.viewer.picked = -1;
+      const {unwelded, faces, report} = value;
+      if (!faces) this.say('This file has points without faces: there is nothing to draw and no neighbour to compute with.');
+      else if (unwelded) this.say('The faces do not share their corners, as in STL files: run Repair first.');
       else this.say(report?.text ?? '');
       if (unwelded) this.turnTo('repair');
       await this.describe(value.mesh);
@@ -194,15 +208,15 @@ class Laboratory {
   /** Adds a mesh to the steps, with its fields. */
   async push(value, title, request) {
     const arrays = await this.client.mesh(value.mesh);
-    const step = {mesh: value.mesh, title, request, arrays, fields: new Map(), report: value.report};
-    await this.receive(step, value.fields);
-    step.losses = await this.losses(step);
+    const step = {mesh: value.mesh, title, request, arrays, fields: new Map(), asked: new Map(), report: value.report};
+    await this.receive(step, value);
     this.steps.push(step);
     this.show();
   }
 
-  /** Takes fields of a mesh over; values that are not defined there are no numbers here, and grey. */
-  async receive({mesh, fields, asked}, names) {
+  /** Takes fields of a mesh over; values that are not defined are no numbers here, and grey. */
+  async receive(step, {fields: names}) {
+    const {mesh, fields, asked} = step;
     for (const name of names) fields.set(name, await this.client.field(mesh, name));
     const replace = (name, isDefined) => {
       if (fields.has(name)) fields.set(name, fields.get(name).map((x, v) => (isDefined(x, v) ? x : NaN)));
@@ -210,7 +224,8 @@ class Laboratory {
     const defined = fields.get('defined');
     if (defined) for (const name of ['mean', 'gaussian', 'kappa1', 'kappa2']) replace(name, (x, v) => defined[v] !== 0);
     // Components without a source have the distance −1.
-    if (asked?.distance) replace('distance', (x) => x !== -1);
+    if (asked.has('distance')) replace('distance', (x) => x !== -1);
+    step.losses = await this.losses(step);
   }
 
   /** The fields of a mesh that each format leaves out. */
@@ -291,24 +306,30 @@ class Laboratory {
   run(add) {
     if (!this.steps.length) return this.say('Open a mesh first.');
     const {task} = this;
-    const panel = this.panels[task];
-    const request = {verb: task, method: panel.method, values: panel.values()};
+    const form = this.forms[task];
+    const request = {verb: task, method: form.method, values: form.values()};
     return this.guarded(async () => {
-      if (task === 'compare') return this.compare(request);
-      if (FIELDS[task]) return this.addFields(request);
       const replaces = !add && this.steps.length > 1 && this.last.request.verb === task;
-      const base = replaces ? this.steps.at(-2) : this.last;
-      await this.take(request, base);
-      this.undone = [];
+      await this.does(request, replaces ? this.steps.at(-2) : this.last);
+      if (!FIELDS[task] && task !== 'compare') this.undone = [];
     });
+  }
+
+  /**
+   * Does what a request asks for; where it makes a mesh, that takes the place of those after the
+   * base.
+   */
+  does(request, base = this.last) {
+    if (request.verb === 'compare') return this.compare(request);
+    if (request.verb === 'mode') return this.mode(Number(request.values.mode));
+    return FIELDS[request.verb] ? this.addFields(request) : this.take(request, base);
   }
 
   /** Adds the result of a request on a mesh to the steps, in place of those after the mesh. */
   async take(request, base = this.last) {
     const {value} = await this.call({...request, mesh: base.mesh});
     while (this.last !== base) await this.pop();
-    const shown = Object.entries(request.values).map(([name, x]) => `${name} ${x}`).join(', ');
-    await this.push(value, [request.method, shown].filter(Boolean).join(', '), request);
+    await this.push(value, listed(request), request);
     const again = await this.follows();
     await this.describe(value.mesh);
     const gone = value.dropped.filter((name) => !again.includes(name));
@@ -317,12 +338,13 @@ class Laboratory {
   }
 
   /**
-   * Computes the curvature that is shown for a new result, too, unless that takes long. Returns the names of the
-   * fields.
+   * Computes the curvature that is shown for a new result, too, unless that takes long. Returns the
+   * names of the fields.
    */
   async follows() {
     const {request, took} = this.curvature ?? {};
-    if (!request || took > QUICK || !CURVATURE.includes(this.viewer.state.field)) return [];
+    const isShown = this.steps[0].asked.has('curvature') && CURVATURE.includes(this.viewer.state.field);
+    if (!isShown || took > QUICK) return [];
     await this.setFields(request);
     this.show();
     return CURVATURE;
@@ -330,41 +352,38 @@ class Laboratory {
 
   /** Adds the fields of a request to the meshes that are shown and do not have them yet. */
   async setFields(request) {
-    const key = JSON.stringify(request);
     for (const step of this.ends()) {
-      step.asked ??= {};
-      if (step.asked[request.verb] === key) continue;
+      const {verb} = request;
+      const isNew = JSON.stringify(step.asked.get(verb)) !== JSON.stringify(request);
+      // The modes of a mesh may have been replaced by those of another request.
+      if (!isNew && verb !== 'spectrum') continue;
       const start = performance.now();
       const {value, arrays} = await this.call({...request, mesh: step.mesh});
-      if (request.verb === 'spectrum') step.values = arrays.values;
-      else step.asked[request.verb] = key;
-      await this.receive(step, value.fields ?? []);
+      step.asked.set(verb, request);
+      if (verb === 'curvature') this.curvature = {request, took: performance.now() - start};
+      if (verb === 'spectrum') step.values = arrays.values;
+      else await this.receive(step, value);
       await this.client.keepOthers(step.mesh);
-      step.losses = await this.losses(step);
-      if (request.verb !== 'curvature') continue;
-      this.curvature = {request, took: performance.now() - start};
     }
   }
 
   async addFields(request) {
     await this.setFields(request);
-    if (request.verb === 'spectrum') {
-      this.part.mode.max = this.last.values.length - 1;
-      this.part.mode.value = Math.min(5, this.last.values.length - 1);
-      await this.mode();
-    } else {
-      this.reveal(FIELDS[request.verb]);
-    }
+    if (request.verb === 'spectrum') return this.mode(Math.min(5, this.last.values.length - 1));
+    return this.reveal(FIELDS[request.verb]);
   }
 
   /** Shows a mode of the spectra. */
-  async mode() {
-    const number = Number(this.part.mode.value);
+  async mode(number) {
     const words = [];
+    if (!this.last.values) throw new Error('There are no modes of the result yet.');
+    this.part.mode.max = this.last.values.length - 1;
+    this.part.mode.value = number;
     for (const step of this.ends()) {
       if (!step.values || number >= step.values.length) continue;
-      await this.call({verb: 'mode', mesh: step.mesh, mode: number});
-      step.fields.set('mode', await this.client.field(step.mesh, 'mode'));
+      const {value} = await this.call({verb: 'mode', mesh: step.mesh, mode: number});
+      step.asked.set('mode', {verb: 'mode', method: '', values: {mode: String(number)}});
+      await this.receive(step, {...value, fields: ['mode']});
       words.push(readable(step.values[number]));
     }
     this.reveal('mode');
@@ -382,11 +401,12 @@ class Laboratory {
     const rows = value.scores.flatMap(({label, unit, value: x, reason}) => (
       reason ? [] : [element('dt', {}, label), element('dd', {}, measured(x, unit))]));
     this.part.info.replaceChildren(...rows);
+    this.last.asked.set('compare', request);
   }
 
   picked(vertex) {
     if (vertex < 0) return this.say('');
-    this.panels[this.task].take(vertex);
+    this.forms[this.task].take(vertex);
     const parts = this.ends().map(({title, arrays, fields}) => {
       const at = [0, 1, 2].map((k) => readable(arrays.positions[3 * vertex + k], 4)).join(', ');
       const values = [...fields].map(([name, x]) => `${labelled(name)[0]} ${readable(x[vertex])}`);
@@ -400,10 +420,10 @@ class Laboratory {
 
   /** The steps in a language, or as a link. */
   written(language) {
-    const [{request: first}, ...rest] = this.steps;
-    const steps = rest.map(({request}) => request);
-    if (language === 'link') return `${location.href.split('#')[0]}#${link(first.name, steps)}`;
-    const program = {shell, rust, python}[language](this.name, steps);
+    const [{request: first}] = this.steps;
+    const meshes = this.steps.map(({request, asked}) => ({request, asked: [...asked.values()]}));
+    if (language === 'link') return `${location.href.split('#')[0]}#${link(first.name, meshes)}`;
+    const program = {shell, rust, python}[language](this.name, meshes);
     const note = `${this.name} is the sample ${first.name}, which the laboratory offers as a download.`;
     return first.verb === 'sample' ? `${language === 'rust' ? '//' : '#'} ${note}\n${program}` : program;
   }
@@ -437,38 +457,32 @@ class Laboratory {
     for (const name of ['run', 'add', 'undo', 'download']) part[name].disabled = this.busy === true || none;
     part.undo.disabled ||= steps.length < 2;
     part.redo.disabled = this.busy === true || !this.undone.length;
-    part.copy.disabled = steps.length < 2;
+    part.copy.disabled = steps.length < 2 && !steps[0]?.asked.size;
     part.language.querySelector('[value=link]').disabled = steps[0]?.request.verb !== 'sample';
     part.lost.textContent = leftOut(part.format.selectedOptions[0].text, this.last?.losses[part.format.value] ?? []);
     part.add.hidden = Boolean(FIELDS[this.task]) || this.task === 'compare' || steps.length < 2;
     part.modes.hidden = this.task !== 'spectrum' || !this.last?.values;
-    part.steps.replaceChildren(...steps.map(({title, request}) => element('li', {}, `${TITLES[request.verb] ?? 'Opened'}: ${title}`)));
+    part.steps.replaceChildren(...steps.map(({title, asked}, i) => {
+      const line = element('li', {}, i ? title : `Opened: ${title}`);
+      const fields = [...asked.values()].filter(({verb}) => verb !== 'mode');
+      if (fields.length) line.append(element('ul', {}, ...fields.map((one) => element('li', {}, listed(one)))));
+      return line;
+    }));
     document.body.classList.toggle('busy', this.busy === true);
   }
 }
 
-const textOf = (id) => document.getElementById(id).textContent;
-const bytesOf = (text) => Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
-
 async function start() {
-  const root = document.documentElement;
-  const theme = document.getElementById('theme');
-  theme.hidden = false;
-  theme.addEventListener('click', () => {
-    const dark = root.dataset.theme ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
-    root.dataset.theme = dark === 'dark' ? 'light' : 'dark';
-    theme.textContent = dark;
-  });
+  followTheme();
   if (!Renderer) throw new Error('This browser has no WebGL 2, without which nothing can be drawn.');
   const client = await clientOfPage();
   const {value: tables} = await client.call({verb: 'tables'});
-  const maps = Object.entries(JSON.parse(textOf('colour-maps'))).map(([name, text]) => [name, bytesOf(text)]);
-  const laboratory = new Laboratory(client, tables, Object.fromEntries(maps));
+  const laboratory = new Laboratory(client, tables, colorMaps());
   document.querySelector('[data-part="loading"]').remove();
   window.laboratory = laboratory;
   const given = linked(location.hash.slice(1));
   if (given) await laboratory.follow(given);
-  root.dataset.ready = '1';
+  document.documentElement.dataset.ready = '1';
 }
 
 start().catch((error) => {

@@ -1,3 +1,5 @@
+import {readable} from '../../../figure/viewer/dom.mjs';
+
 /** Fields that a curvature sets, and that fit no other positions. */
 export const CURVATURE = ['mean', 'gaussian', 'kappa1', 'kappa2', 'defined', 'boundary', 'direction1', 'direction2'];
 

@@ -1,18 +1,18 @@
 //! `report.html`: one self-contained page that opens from disk.
 //!
 //! Text, tables and figures are plain HTML and readable without scripts; the
-//! interactive views are brought to life by the scripts of `assets/` and of
-//! `crates/figure/viewer`, which stand in the page as they are. Nothing is requested from anywhere.
+//! interactive views are brought to life by the modules of `assets/` and of
+//! `crates/figure/viewer`, which are bundled into one script. Nothing is requested from anywhere.
 //!
 //! The committed module of `crates/web` computes in the page, so that a machine with nothing but
 //! cargo makes the same report.
 
 mod base85;
-mod bundle;
 mod computing;
 mod figures;
 mod html;
 mod laboratory;
+mod scripts;
 mod section;
 mod style;
 mod tables;
@@ -26,37 +26,13 @@ use base64::Engine as _;
 use rayon::prelude::*;
 
 use crate::{bibliography, markdown, notation, numbers, story, thumbnail};
-use fairing_figure::ColorMap;
+use fairing_figure::{ColorMap, color_maps};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::Verdict;
 use html::escape;
 pub use laboratory::laboratory;
+use scripts::script;
 use style::STYLE;
-
-/// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 21] = [
-    include_str!("../../../figure/viewer/dom.js"),
-    include_str!("../../assets/geometry.js"),
-    include_str!("../../assets/surfaces.js"),
-    include_str!("../../assets/computing.js"),
-    include_str!("../../assets/data.js"),
-    include_str!("../../../figure/viewer/renderer.js"),
-    include_str!("../../../figure/viewer/camera.js"),
-    include_str!("../../../figure/viewer/steer.js"),
-    include_str!("../../../figure/viewer/bar.js"),
-    include_str!("../../assets/live.js"),
-    include_str!("../../assets/modes.js"),
-    include_str!("../../assets/derived.js"),
-    include_str!("../../assets/view.js"),
-    include_str!("../../assets/playground.js"),
-    include_str!("../../assets/ellipsoid.js"),
-    include_str!("../../assets/diffusion.js"),
-    include_str!("../../assets/noise.js"),
-    include_str!("../../assets/denoising.js"),
-    include_str!("../../assets/points.js"),
-    include_str!("../../assets/stack.js"),
-    include_str!("../../assets/page.js"),
-];
 
 /// The module for browsers that computes in the page.
 const MODULE: &[u8] = include_bytes!("../../../web/assets/fairing.wasm.gz");
@@ -97,15 +73,13 @@ fn document(title: &str, contents: &str, main: &str) -> Result<String> {
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
         title = escape(title),
-        maps = view::color_maps(&ColorMap::ALL),
+        maps = color_maps(&ColorMap::ALL),
         font = math_font(),
     );
     page += &computing::elements(MODULE)?;
-    let _ = writeln!(page, "<script>{}</script>", bundle::bundled(&computing::CLIENT)?);
-    for script in SCRIPTS {
-        let _ = writeln!(page, "<script>{script}</script>");
-    }
-    Ok(page + "</body></html>\n")
+    let script = script("report/assets/page.mjs")?;
+    let _ = writeln!(page, "<script type=\"module\">{script}</script></body></html>");
+    Ok(page)
 }
 
 fn math_font() -> String {

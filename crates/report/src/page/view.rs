@@ -5,25 +5,10 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use fairing_figure::ColorMap;
 use fairing_results::results::ViewFile;
-use serde_json::Value;
 
 use super::html::{escape, script_json};
 use crate::views::Packed;
-
-/// The colour maps of the viewer, 256 colours each, for `page.js`.
-pub(super) fn color_maps(maps: &[ColorMap]) -> String {
-    let table = |map: ColorMap| -> Vec<u8> {
-        (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).collect()
-    };
-    let entry = |&map: &ColorMap| {
-        let engine = base64::engine::general_purpose::STANDARD;
-        (map.name().to_string(), Value::from(base64::Engine::encode(&engine, table(map))))
-    };
-    let maps = maps.iter().map(entry).collect();
-    script_json(&Value::Object(maps))
-}
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
 /// unique on the page, `fallback` the id of the picture that takes its place

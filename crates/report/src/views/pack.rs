@@ -1,4 +1,4 @@
-//! The compressed data of a view, which `assets/data.js` reads.
+//! The compressed data of a view, which `assets/data.mjs` reads.
 //!
 //! Arrays stand one after another. Numbers are kept as differences to their
 //! predecessors, zigzag-coded so that small ones of either sign have few bits,
@@ -124,7 +124,7 @@ impl Quantiser {
 mod tests {
     use super::*;
 
-    /// The counterpart of `dequantised` in `data.js`.
+    /// The counterpart of `dequantised` in `data.mjs`.
     fn value(q: &Quantiser, code: u16) -> f64 {
         q.scale * (q.low + (q.high - q.low) * f64::from(code) / 65_534.0).sinh()
     }

@@ -65,8 +65,8 @@ pub(super) fn undefined(chrome: &mut Chrome, report: &Path) -> Result<()> {
            await press('run');
            const bar = () => document.querySelector('.bar svg').textContent;
            const words = [bar()];
-           laboratory.panels.curvature.method = 'jet2';
-           laboratory.panels.curvature.build();
+           laboratory.forms.curvature.method = 'jet2';
+           laboratory.forms.curvature.build();
            task('curvature');
            await press('run');
            words.push(bar());
@@ -115,8 +115,7 @@ pub(super) fn picks(chrome: &mut Chrome, report: &Path) -> Result<()> {
          })()",
     )?;
     ensure!(next != words, "{next}");
-    let zero =
-        chrome.run("laboratory.last.fields.get('distance')[laboratory.viewer.state.vertex]")?;
+    let zero = chrome.run("laboratory.last.fields.get('distance')[laboratory.viewer.picked]")?;
     ensure!(zero.as_f64().is_some_and(|d| d.abs() < 1e-6), "{zero}");
     quiet(chrome)
 }
@@ -143,7 +142,7 @@ pub(super) fn moves(chrome: &mut Chrome, report: &Path) -> Result<()> {
            const after = mean();
            const {mesh, fields} = laboratory.last;
            const names = [...fields.keys()];
-           await laboratory.client.call({verb: 'curvature', mesh, method: laboratory.panels.curvature.method});
+           await laboratory.client.call({verb: 'curvature', mesh, method: laboratory.forms.curvature.method});
            const fresh = await laboratory.client.field(mesh, 'mean');
            const same = [after.every((x, v) => x === fresh[v]), after.every((x, v) => x === before[v])];
            laboratory.curvature.took = Infinity;

@@ -1,10 +1,18 @@
-'use strict';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {Computing} from './computing.mjs';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {Playground} from './playground.mjs';
+import {linePlot} from './plots.mjs';
+import {octasphere, torus} from './surfaces.mjs';
 
-/** Noise on surfaces whose curvature is known, and what it does to H (cotangents) and K (angle defects). */
-Playground.kinds.set('noise', class extends Playground {
+/**
+ * Noise on surfaces whose curvature is known, and what it does to H (cotangents) and K (angle
+ * defects).
+ */
+export class NoisePlayground extends Playground {
   static surfaces = {
     sphere: {
-      make: (size) => Surfaces.octasphere(size),
+      make: (size) => octasphere(size),
       exact: ({positions}) => {
         const one = new Float64Array(positions.length / 3).fill(1);
         return {mean: one, gaussian: one};
@@ -13,7 +21,7 @@ Playground.kinds.set('noise', class extends Playground {
       euler: 2,
     },
     torus: {
-      make: (size) => Surfaces.torus(1, 0.4, 4 * Math.round(0.95 * size), 2 * Math.round(0.8 * size)),
+      make: (size) => torus(1, 0.4, 4 * Math.round(0.95 * size), 2 * Math.round(0.8 * size)),
       exact: ({angles}) => ({
         mean: angles.map((v) => (1 + 0.8 * Math.cos(v)) / (0.8 * (1 + 0.4 * Math.cos(v)))),
         gaussian: angles.map((v) => Math.cos(v) / (0.4 * (1 + 0.4 * Math.cos(v)))),
@@ -28,18 +36,12 @@ Playground.kinds.set('noise', class extends Playground {
     this.sigma = this.slider('noise', {min: 0, max: 0.5, step: 0.005, value: 0.02}, (x) => `σ = ${readable(x)} h`);
     this.size = this.slider('resolution', {min: 6, max: 24, step: 1, value: 12}, () => this.sizeWords());
     this.surface = this.choice('surface', [['torus', 'torus'], ['sphere', 'sphere']]);
-    this.shown = this.choice('colour by', [['error', 'relative error'], ['estimate', 'estimate']]);
-    this.seed = 1;
-    const again = element('button', {type: 'button'}, 'draw noise again');
-    again.addEventListener('click', () => {
-      this.seed += 1;
-      this.change();
-    });
+    this.colored = this.choice('colour by', [['error', 'relative error'], ['estimate', 'estimate']]);
     this.panels = [this.stage('H, mean curvature', 'A noisy surface, coloured by mean curvature.'), this.stage('K, Gaussian curvature', 'The same surface, coloured by Gaussian curvature.')];
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
     this.plots = element('div', {class: 'panel'});
     return [
-      element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.surface.label, this.shown.label, again),
+      element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.surface.label, this.colored.label, this.seeds()),
       element('div', {class: 'panels'}, ...this.panels.map(({panel}) => panel), this.plots),
       this.sigma.row, this.size.row, this.result,
     ];
@@ -119,7 +121,7 @@ Playground.kinds.set('noise', class extends Playground {
     const {sigma} = this.now;
     const [mean, gaussian] = this.errors(this.now);
     const ball = {center: [0, 0, 0], radius: this.kind.radius};
-    const relative = this.shown.value() === 'error';
+    const relative = this.colored.value() === 'error';
     ['mean', 'gaussian'].forEach((name, k) => {
       const letter = 'HK'[k];
       const typical = this.typical(name);
@@ -161,4 +163,4 @@ Playground.kinds.set('noise', class extends Playground {
       return `${'HK'[k]}: exact ${readable(exact)}, estimate ${readable(estimate)}, error ${readable(estimate - exact)}`;
     }).join('. ') + '.';
   }
-});
+}

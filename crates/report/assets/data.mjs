@@ -1,5 +1,3 @@
-'use strict';
-
 /**
  * Reading of the data that the page carries.
  *
@@ -8,7 +6,7 @@
  * are stored as differences to their predecessor, zigzag-coded, and split into
  * planes of bytes, which compress well. The writer is `views/pack.rs`.
  */
-class Block {
+export class Block {
   static async unpack(text) {
     const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
@@ -79,7 +77,7 @@ class Block {
 }
 
 /** The panels of a view, decoded. Positions are in mesh units. */
-function decodeView(description, block) {
+export function decodeView(description, block) {
   const faceLists = description.faceLists.map((count) => block.integers(3 * count));
   const panels = [];
   for (const panel of description.panels) panels.push(decodePanel(panel));

@@ -1,11 +1,12 @@
-'use strict';
+import {picture, readable, roundValues} from './dom.mjs';
 
 /**
- * A colour bar with the histogram of what it shows standing on it; values beyond the ends are counted in words. `few`
- * are the values that occur where there are not many, `even` says that the colours are equalised. `across` is the width
- * of its place: in a narrow one the bar is shorter, and its words keep their size.
+ * A colour bar with the histogram of what it shows standing on it; values beyond the ends are
+ * counted in words. `few` are the values that occur where there are not many, `even` says that the
+ * colours are equalised. `across` is the width of its place: in a narrow one the bar is shorter,
+ * and its words keep their size.
  */
-function colorBar({values, range, lookup, name, unit, few = null, even = false, across = 408}) {
+export function colorBar({values, range, lookup, name, unit, few = null, even = false, across = 408}) {
   const [low, high] = range;
   const bins = 90;
   const counts = new Array(bins).fill(0);

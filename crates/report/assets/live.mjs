@@ -1,11 +1,14 @@
-'use strict';
+import {Computing} from './computing.mjs';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {factorPlot, factorWords} from './factors.mjs';
+import {fitted} from './fitted.mjs';
 
 /**
  * Explicit and implicit smoothing of a view's input, computed by the module, side
  * by side at the same λ and number of steps, so at equal diffusion time. The
  * input itself stays where it is.
  */
-class LiveFlows {
+export class LiveFlows {
   /** For the first panel that brings its input along; null if none does. */
   static of(panels, truth, changed) {
     const source = panels.find((panel) => panel.live);
@@ -133,8 +136,8 @@ class LiveFlows {
     // The results may have been put away meanwhile.
     if (this.sliders.hidden) return;
     const took = performance.now() - start;
-    const fitted = (result) => ({...Geometry.fitted(this.input, result?.positions), angle: result?.angle ?? null});
-    this.results = {explicit: fitted(explicit), implicit: fitted(implicit)};
+    const shown = (result) => ({...fitted(this.input, result?.positions), angle: result?.angle ?? null});
+    this.results = {explicit: shown(explicit), implicit: shown(implicit)};
     this.done += 1;
     this.on = true;
     this.shown = [lambda, count];
@@ -168,16 +171,12 @@ class LiveFlows {
 
   /** What one step does to the roughest mode, in words and as curves over all modes. */
   factors(lambda, count) {
-    const mu = this.roughest;
-    const limit = 2 / -mu;
-    const [one, other] = [1 + lambda * mu, 1 / (1 - lambda * mu)];
+    const limit = 2 / -this.roughest;
     const verdict = lambda > limit
       ? `λ is beyond the limit 2/|μ| = ${readable(limit)} of this mesh: the explicit factor is below −1 and the mode grows.`
       : `λ is below the limit 2/|μ| = ${readable(limit)} of this mesh: no mode grows.`;
-    const text = element('p', {class: 'factors'},
-      `The roughest mode has μ = ${readable(mu)}. An explicit step multiplies it by 1 + λμ = ${readable(one)}, ` +
-      `an implicit one by 1/(1 − λμ) = ${readable(other)}; ${count} steps by ${readable(one ** count)} and ${readable(other ** count)}. ${verdict}`);
-    return [text, factorPlot(lambda, -mu)];
+    const words = `${factorWords(lambda, count, this.roughest)} ${verdict}`;
+    return [element('p', {class: 'factors'}, words), factorPlot(lambda, this.roughest)];
   }
 
   toText() {
@@ -192,19 +191,4 @@ class LiveFlows {
     this.count.value = count;
     this.run();
   }
-}
-
-/** The factors of one step over |μ|, from constant functions to the roughest mode of any mesh, 2. */
-function factorPlot(lambda, roughest) {
-  const along = Array.from({length: 101}, (_, i) => i / 50);
-  const factors = {explicit: (m) => 1 - lambda * m, implicit: (m) => 1 / (1 + lambda * m)};
-  return linePlot({
-    label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
-    x: {from: 0, to: 2, label: '|μ|, smooth to rough'},
-    y: {from: -1.5, to: 1.2, label: 'factor of one step'},
-    band: [-1, 1],
-    series: Object.entries(factors).map(([name, factor]) => (
-      {name, kind: name, points: along.map((m) => [m, factor(m)])})),
-    marks: [{at: roughest, words: 'roughest'}],
-  });
 }

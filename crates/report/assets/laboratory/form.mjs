@@ -1,8 +1,10 @@
+import {element} from '../../../figure/viewer/dom.mjs';
+
 /**
- * The form of a task: its methods and their parameters, from the tables of the module. `changed` is called when a value
- * was set by hand.
+ * The form of a task: its methods and their parameters, from the tables of the module. `changed` is
+ * called when a value was set by hand.
  */
-export class Panel {
+export class Form {
   constructor(task, changed) {
     this.task = task;
     this.changed = changed;
@@ -72,7 +74,9 @@ export class Panel {
 function inputOf({kind, choices, default: usual, low, high}) {
   if (kind === 'choice') {
     const select = element('select', {});
-    for (const {name, about} of choices) {
+    // A default may have a name that is not offered elsewhere.
+    const isOffered = choices.some(({name}) => name === usual);
+    for (const {name, about} of isOffered ? choices : [{name: usual, about: 'the default'}, ...choices]) {
       select.append(element('option', {value: name, title: about, selected: name === usual}, name));
     }
     return select;
@@ -82,8 +86,8 @@ function inputOf({kind, choices, default: usual, low, high}) {
 }
 
 /**
- * A slider that moves with a number, over its range or up to four times the default; null for seeds, for tolerances and
- * where it would jump.
+ * A slider that moves with a number, over its range or up to four times the default; null for
+ * seeds, for tolerances and where it would jump.
  */
 function sliderOf({name, kind, low, high, range, default: usual}, input) {
   const [from, start] = [low ?? 0, Number(usual)];

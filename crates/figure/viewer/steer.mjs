@@ -1,13 +1,14 @@
-'use strict';
+import {element} from './dom.mjs';
 
 /** What can be done with a picture. */
 const HOW = 'Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.';
 
 /**
- * Lets pointer, wheel and keys move a camera over a canvas. Told of it are `moved` (by hand), `stepped` (by key),
- * `rested`, `picked` with the place in parts of width and height, and `next` with 1 or −1.
+ * Lets pointer, wheel and keys move a camera over a canvas. Told of it are `moved` (by hand),
+ * `stepped` (by key), `rested`, `picked` with the place in parts of width and height, and `next`
+ * with 1 or −1.
  */
-function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
+export function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
   const fingers = new Map();
   let travelled = 0;
   let spread = 0;
@@ -71,41 +72,8 @@ function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
   });
 }
 
-/** Rings a place of a picture. */
-function ring(target, [x, y], pixel) {
-  for (const [color, width] of [['#fff', 4], ['#111', 1.8]]) {
-    target.beginPath();
-    target.arc(x, y, 6 * pixel, 0, 2 * Math.PI);
-    target.strokeStyle = color;
-    target.lineWidth = width * pixel;
-    target.stroke();
-  }
-}
-
-/** What is drawn at most once a frame; `draw` looks at `moving`. */
-class Drawn {
-  /** Draws coarsely while the camera moves, and once more when it rests. */
-  turnTo() {
-    this.moving = true;
-    clearTimeout(this.rest);
-    this.rest = setTimeout(() => {
-      this.moving = false;
-      this.redraw();
-    }, 180);
-    this.redraw();
-  }
-
-  /** Draws once, however often it is asked for until then. */
-  redraw() {
-    this.waiting ??= requestAnimationFrame(() => {
-      this.waiting = null;
-      this.draw();
-    });
-  }
-}
-
 /** A canvas that pointer and keys steer. */
-function steeredCanvas(alt) {
+export function steeredCanvas(alt) {
   const canvas = element('canvas', {
     tabindex: 0,
     role: 'img',
@@ -113,24 +81,4 @@ function steeredCanvas(alt) {
   });
   canvas.title = HOW;
   return canvas;
-}
-
-/** Gives a canvas as many pixels as its place has. */
-function fitCanvas(canvas, pixel) {
-  const box = canvas.getBoundingClientRect();
-  const [width, height] = [box.width, box.height].map((x) => Math.round(x * pixel));
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-}
-
-/** Of the face that is seen at a place, given in parts of width and height, the nearest vertex; −1 beside the mesh. */
-function vertexAt(scene, canvas, place, x, y) {
-  const [px, py] = [Math.floor(x * canvas.width), Math.floor(y * canvas.height)];
-  const face = Renderer.faceAt(scene, canvas.width, canvas.height, px, py);
-  let [best, found] = [Infinity, -1];
-  for (const v of face < 0 ? [] : scene.mesh.faces.subarray(3 * face, 3 * face + 3)) {
-    const [vx, vy] = place(v);
-    const far = Math.hypot(vx - px, vy - py);
-    if (far < best) [best, found] = [far, v];
-  }
-  return found;
 }

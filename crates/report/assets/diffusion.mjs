@@ -1,10 +1,17 @@
-'use strict';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {Computing} from './computing.mjs';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {factorPlot, factorsOf, factorWords} from './factors.mjs';
+import {fitted} from './fitted.mjs';
+import {Playground} from './playground.mjs';
+import {linePlot} from './plots.mjs';
+import {octasphere} from './surfaces.mjs';
 
 /**
- * Explicit and implicit steps with uniform weights on a closed mesh of which all modes are known: λ can be dragged
- * through the limit 4/3 and through 2, and each mode is multiplied by its factor.
+ * Explicit and implicit steps with uniform weights on a closed mesh of which all modes are known: λ
+ * can be dragged through the limit 4/3 and through 2, and each mode is multiplied by its factor.
  */
-Playground.kinds.set('diffusion', class extends Playground {
+export class DiffusionPlayground extends Playground {
   ball = {center: [0, 0, 0], radius: 1.3};
 
   build() {
@@ -24,7 +31,7 @@ Playground.kinds.set('diffusion', class extends Playground {
 
   /** The ball; its noise is of waves too short for the mesh. */
   make() {
-    const {positions, faces} = Surfaces.octasphere(9);
+    const {positions, faces} = octasphere(9);
     const n = positions.length / 3;
     for (let v = 0; v < n; v++) {
       const [x, y, z] = positions.subarray(3 * v, 3 * v + 3);
@@ -62,15 +69,14 @@ Playground.kinds.set('diffusion', class extends Playground {
 
   show() {
     const {lambda, count, results} = this.now;
-    const factors = {explicit: (mu) => 1 + lambda * mu, implicit: (mu) => 1 / (1 - lambda * mu)};
     this.before.show(this.positions, this.faces, this.ball, {flat: true, colors: this.colors()});
     for (const stage of this.after) {
-      const {positions, note} = Geometry.fitted(this.positions, results[stage.flow], 0.75);
+      const {positions, note} = fitted(this.positions, results[stage.flow], 0.75);
       stage.title.textContent = this.titleOf(stage.flow, note);
       stage.show(positions, this.faces, this.ball, {flat: true});
     }
-    this.plot(lambda, count, factors);
-    this.result.textContent = this.verdict(lambda, count, factors);
+    this.plot(lambda, count);
+    this.result.textContent = this.verdict(lambda, count);
   }
 
   /** The roughest mode. */
@@ -84,39 +90,18 @@ Playground.kinds.set('diffusion', class extends Playground {
     return `${flow}, ${this.now.count} × ${readable(this.now.lambda)}${note}`;
   }
 
-  plot(lambda, count, factors) {
-    this.plots.replaceChildren(this.factorPlot(lambda, factors), this.spectrum(factors, count));
+  plot(lambda, count) {
+    const factor = element('div', {class: 'panel'}, element('p', {class: 'title'}, '1 − λ|μ| and 1/(1 + λ|μ|)'), factorPlot(lambda, this.roughest));
+    this.plots.replaceChildren(factor, this.spectrum(factorsOf(lambda), count));
   }
 
-  verdict(lambda, count, factors) {
-    const mu = this.roughest;
-    const [one, other] = [factors.explicit(mu), factors.implicit(mu)];
-    const limit = -2 / mu;
+  verdict(lambda, count) {
     // The limit itself is 4/3, and sliders stop beside it.
-    const side = lambda > limit + 1e-9
+    const side = lambda > -2 / this.roughest + 1e-9
       ? `λ is beyond the limit 2/|μ| = 4/3: the explicit factor of the roughest mode is below −1, so it grows in every step.`
       : `λ is below the limit 2/|μ| = 4/3: no mode grows.`;
-    return `The roughest mode has μ = ${readable(mu)}. An explicit step multiplies it by 1 + λμ = ${readable(one)}, an implicit one by 1/(1 − λμ) = ${readable(other)}; ` +
-      `${count} steps by ${readable(one ** count)} and ${readable(other ** count)}. ${side}` +
+    return `${factorWords(lambda, count, this.roughest)} ${side}` +
       (lambda >= 2 ? ' At λ = 2 no mesh is safe: the eigenvalues sum to minus the number of vertices, so that one of them is below −1.' : '');
-  }
-
-  factorPlot(lambda, factors) {
-    const along = Array.from({length: 101}, (_, i) => i / 50);
-    const series = Object.entries(factors).map(([name, factor]) => (
-      {name, kind: name, points: along.map((m) => [m, factor(-m)])}));
-    const rough = -this.roughest;
-    const plot = linePlot({
-      size: [420, 165],
-      label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
-      x: {from: 0, to: 2, label: '|μ|, smooth to rough'},
-      y: {from: -2, to: 1.2, label: 'factor of one step'},
-      band: [-1, 1],
-      series,
-      marks: [{at: rough, words: 'roughest'}],
-      here: Object.values(factors).map((factor) => [rough, Math.max(-2, factor(-rough))]),
-    });
-    return element('div', {class: 'panel'}, element('p', {class: 'title'}, '1 − λ|μ| and 1/(1 + λ|μ|)'), plot);
   }
 
   /** The size of each mode in the positions, before and after. */
@@ -143,10 +128,10 @@ Playground.kinds.set('diffusion', class extends Playground {
     const moved = (name) => Math.hypot(...[0, 1, 2].map((c) => this.now.results[name][3 * v + c] - this.positions[3 * v + c]));
     return `Moved by ${readable(moved('explicit'))} (explicit) and ${readable(moved('implicit'))} (implicit).`;
   }
-});
+}
 
 /** The same in one slider, before anything has a name. */
-Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') {
+export class OpeningPlayground extends DiffusionPlayground {
   build() {
     this.camera = new Camera(30, 20, true);
     this.lambda = this.slider('λ', {min: 0, max: 1.6, step: 0.01, value: 0.5}, (x) => `λ = ${readable(x)}`);
@@ -184,4 +169,4 @@ Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') 
     const moved = Math.hypot(...[0, 1, 2].map((c) => this.now.results.explicit[3 * v + c] - this.positions[3 * v + c]));
     return `Moved by ${readable(moved)}.`;
   }
-});
+}

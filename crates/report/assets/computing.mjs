@@ -1,7 +1,7 @@
-'use strict';
+import {clientOfPage} from '../../web/assets/page.mjs';
 
 /** The module of Fairing for the whole page; it loads when it is first asked for. */
-const Computing = {
+export const Computing = {
   client() {
     this.started ??= clientOfPage();
     return this.started;
@@ -20,7 +20,10 @@ const Computing = {
     if (mesh !== undefined) await (await this.client()).drop(mesh);
   },
 
-  /** Calls `use` with the mesh that a verb makes of another one, and with its positions, then drops it. */
+  /**
+   * Calls `use` with the mesh that a verb makes of another one, and with its positions, then drops
+   * it.
+   */
   async made(request, use = (mesh, positions) => positions) {
     const {value, arrays} = await this.call(request);
     try {
@@ -30,7 +33,10 @@ const Computing = {
     }
   },
 
-  /** Mean and Gaussian curvature of a mesh by cotangents and angle defects; vertices on the boundary have none. */
+  /**
+   * Mean and Gaussian curvature of a mesh by cotangents and angle defects; vertices on the boundary
+   * have none.
+   */
   async curvature(mesh) {
     await this.call({verb: 'curvature', method: 'cotangent', mesh});
     const field = async (name) => (await this.call({verb: 'field', mesh, name})).arrays.values;

@@ -1,11 +1,9 @@
-'use strict';
-
 /**
  * A camera that turns about the origin; the meshes of a view are scaled to fit
  * a ball of radius 1 about it. Angles as in the printed figures: azimuth from
  * the front (+z, or −y where z is up) towards +x, elevation above the horizon.
  */
-class Camera {
+export class Camera {
   constructor(azimuth, elevation, zUp = false) {
     this.zUp = zUp;
     this.home = {azimuth, elevation, distance: 3.4, x: 0, y: 0};

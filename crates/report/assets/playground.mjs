@@ -1,46 +1,33 @@
-'use strict';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {lookupOf} from '../../figure/viewer/colors.mjs';
+import {element} from '../../figure/viewer/dom.mjs';
+import {normals, shape} from '../../figure/viewer/geometry.mjs';
+import {Picture, Pictures} from '../../figure/viewer/pictures.mjs';
+import {Renderer} from '../../figure/viewer/renderer.mjs';
+import {sliderRow} from './plots.mjs';
 
-/** A canvas of a playground: a mesh, what it is coloured by, and what is drawn over it. */
-class Stage {
+/** A picture of a playground: a mesh, what it is coloured by, and what is drawn over it. */
+class Stage extends Picture {
   constructor(owner, title, alt) {
+    super(title, alt);
     this.owner = owner;
-    this.canvas = steeredCanvas(alt);
-    this.target = this.canvas.getContext('2d');
-    this.title = element('p', {class: 'title'}, title);
-    this.bar = element('div', {class: 'bar'});
-    this.panel = element('div', {class: 'panel', hidden: !Renderer}, this.title, this.canvas, this.bar);
     this.scene = null;
-    steer(this.canvas, owner.camera, {
-      moved: () => owner.turnTo(),
-      stepped: () => owner.redraw(),
-      rested: () => owner.remember(),
-      picked: (x, y) => owner.pick(this, x, y),
-      next: (by) => owner.step(by),
-    });
   }
 
   /** What is shown; `colors` has `values`, `range`, `map`, `name` and `unit`. */
   show(positions, faces, ball, {colors = null, flat = false, over = null} = {}) {
-    if (this.mesh?.faces !== faces) {
-      const vertices = positions.length / 3;
-      this.mesh = {faces, vertices, zeros: new Float32Array(vertices)};
-    }
+    if (this.mesh?.faces !== faces) this.mesh = {faces, vertices: positions.length / 3};
+    const lookup = lookupOf(this.owner.maps[colors?.map ?? 'viridis']);
     this.scene = {
       mesh: this.mesh,
-      shape: Geometry.shape(positions, faces, ball, null),
-      values: colors ? Float32Array.from(colors.values) : null,
-      lookup: colors ? lookupOf(this.owner.maps[colors.map]) : lookupOf(this.owner.maps.viridis),
+      shape: shape(positions, normals(positions, faces), ball),
+      values: colors && Float32Array.from(colors.values),
+      lookup,
       range: colors?.range ?? [0, 1],
-      camera: this.owner.camera,
       flat,
     };
     this.over = over;
-    this.bar.replaceChildren(...(colors ? [colorBar({...colors, lookup: this.scene.lookup, across: this.panel.clientWidth || undefined})] : []));
-  }
-
-  place(v) {
-    const point = this.scene.shape.points.subarray(4 * v, 4 * v + 3);
-    return this.owner.camera.place(point, this.canvas.width, this.canvas.height);
+    this.explain(colors && {...colors, lookup});
   }
 
   /** Lines over the picture, through points that are scaled to the ball. */
@@ -54,41 +41,16 @@ class Stage {
     target.stroke();
     target.setLineDash([]);
   }
-
-  /** Fits the canvas to its place; what there is to draw, or null. */
-  fit(pixel) {
-    if (!Renderer || !this.scene) return null;
-    fitCanvas(this.canvas, pixel);
-    return {target: this.target, scene: {...this.scene, pixel}};
-  }
-
-  /** What goes over the picture. */
-  finish(pixel) {
-    this.over?.(this);
-    const {picked} = this.owner;
-    if (picked >= 0 && picked < this.mesh.vertices) ring(this.target, this.place(picked), pixel);
-  }
-
-  vertexAt(x, y) {
-    return vertexAt({...this.scene, pixel: this.owner.pixel}, this.canvas, (v) => this.place(v), x, y);
-  }
 }
 
 /**
- * Something to play with. A kind of playground has `build`, which returns its elements and fills `inputs` (what is
- * remembered in the address) and `stages`, and `show`, which shows `now`. Where the module computes it also has
- * `preview`, which shows what there is before the module has loaded, `compute`, which makes `now`, and perhaps `refine`,
- * which adds to it what takes longer, until `isStale`.
+ * Something to play with. A kind of playground has `build`, which returns its elements and fills
+ * `inputs` (what is remembered in the address) and the pictures, and `show`, which shows `now`.
+ * Where the module computes it also has `preview`, which shows what there is before the module has
+ * loaded, `compute`, which makes `now`, and perhaps `refine`, which adds to it what takes longer,
+ * until `isStale`.
  */
-class Playground extends Drawn {
-  static kinds = new Map();
-
-  static of(figure, maps) {
-    const kind = Playground.kinds.get(figure.dataset.play);
-    if (!kind) throw new Error(`there is no playground ${figure.dataset.play}`);
-    return new kind(figure, maps);
-  }
-
+export class Playground extends Pictures {
   constructor(figure, maps) {
     super();
     this.figure = figure;
@@ -96,9 +58,7 @@ class Playground extends Drawn {
     this.maps = maps;
     this.camera = new Camera(35, 20, true);
     this.inputs = [];
-    this.stages = [];
     this.picked = -1;
-    this.pixel = 1;
     this.wanted = '';
     this.now = null;
   }
@@ -112,14 +72,12 @@ class Playground extends Drawn {
   async begin() {
     const made = this.build();
     this.words = element('output', {class: 'picked', 'aria-live': 'polite'});
-    const hint = element('p', {class: 'hint', hidden: !Renderer || !this.stages.length}, this.words);
+    const hint = element('p', {class: 'hint', hidden: !Renderer || !this.shown.length}, this.words);
     this.figure.querySelector('.stage').replaceChildren(...made, hint);
     this.figure.classList.add('open');
     if (this.wanted) this.recall();
     this.result.textContent = 'Computing …';
     this.preview();
-    const fit = new ResizeObserver(() => this.draw());
-    for (const {canvas} of this.stages) fit.observe(canvas);
     this.draw();
     await this.settle();
   }
@@ -161,7 +119,7 @@ class Playground extends Drawn {
 
   stage(title, alt) {
     const made = new Stage(this, title, alt);
-    this.stages.push(made);
+    this.add(made);
     return made;
   }
 
@@ -178,30 +136,29 @@ class Playground extends Drawn {
     return {label: element('label', {}, `${label} `, input), value: () => input.value};
   }
 
+  /** A button that draws other noise, of the next `seed`. */
+  seeds() {
+    this.seed = 1;
+    const button = element('button', {type: 'button'}, 'draw noise again');
+    button.addEventListener('click', () => {
+      this.seed += 1;
+      this.change();
+    });
+    return button;
+  }
+
   change() {
     this.settle();
     this.remember();
   }
 
-  draw() {
-    this.pixel = Math.min(window.devicePixelRatio || 1, 2);
-    const pictures = this.stages.map((stage) => stage.fit(this.pixel));
-    if (pictures.some((picture) => !picture)) return;
-    if (this.moving) Renderer.drawMoving(pictures, 0.5);
-    else for (const {target, scene} of pictures) Renderer.draw(target, scene);
-    for (const stage of this.stages) stage.finish(this.pixel);
+  scene(stage) {
+    return stage.scene;
   }
 
-  pick(stage, x, y) {
+  choose(vertex) {
     if (!this.now) return;
-    this.picked = stage.vertexAt(x, y);
-    this.say();
-  }
-
-  step(by) {
-    const count = this.stages[0].mesh?.vertices;
-    if (!count || !this.now) return;
-    this.picked = (Math.max(this.picked, by > 0 ? -1 : 0) + by + count) % count;
+    this.picked = vertex;
     this.say();
   }
 
@@ -235,19 +192,4 @@ class Playground extends Drawn {
       at.say();
     });
   }
-}
-
-const lookups = new WeakMap();
-
-/** 1024 colours of a map. */
-function lookupOf(map) {
-  if (!lookups.has(map)) {
-    const colors = new Uint8Array(3 * 1024);
-    for (let i = 0; i < 1024; i++) {
-      const k = 3 * Math.round((i / 1023) * (map.length / 3 - 1));
-      colors.set(map.subarray(k, k + 3), 3 * i);
-    }
-    lookups.set(map, colors);
-  }
-  return lookups.get(map);
 }

@@ -1,7 +1,15 @@
-'use strict';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {element, picture, readable} from '../../figure/viewer/dom.mjs';
+import {ring} from '../../figure/viewer/pictures.mjs';
+import {Playground} from './playground.mjs';
+import {linePlot} from './plots.mjs';
+import {octasphere} from './surfaces.mjs';
 
-/** The ellipsoid of question 2: normal curvature at (a, 0, 0), right and as the original report has it. */
-Playground.kinds.set('ellipsoid', class extends Playground {
+/**
+ * The ellipsoid of question 2: normal curvature at (a, 0, 0), right and as the original report has
+ * it.
+ */
+export class EllipsoidPlayground extends Playground {
   build() {
     this.camera = new Camera(58, 22, true);
     const axis = (name, value) => this.slider(name, {min: 0.4, max: 2.5, step: 0.05, value}, (x) => `${name} = ${readable(x)}`);
@@ -10,14 +18,17 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     this.solid = this.stage('the ellipsoid', 'An ellipsoid with the circle that fits it best at the end of its first axis.');
     this.plots = element('div', {class: 'panels'});
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
-    this.ball = Surfaces.octasphere(24);
+    this.ball = octasphere(24);
     return [
       element('div', {class: 'panels'}, this.solid.panel, this.plots), this.result,
       ...[...this.axes, this.angle].map(({row}) => row),
     ];
   }
 
-  /** The curvature at (a, 0, 0) in a direction, inward normal: ours, and from the coefficients L = M = 0, N = −c, G = c². */
+  /**
+   * The curvature at (a, 0, 0) in a direction, inward normal: ours, and from the coefficients L = M
+   * = 0, N = −c, G = c².
+   */
   curvatures(theta) {
     const [a, b, c] = this.axes.map((axis) => axis.value());
     const [cos, sin] = [Math.cos(theta), Math.sin(theta)];
@@ -32,7 +43,8 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     const positions = this.ball.positions.map((x, i) => x * [a, b, c][i % 3]);
     const radius = Math.max(a, b, c);
     const [cos, sin] = [Math.cos(theta), Math.sin(theta)];
-    // The section of the plane through the normal and the direction is an ellipse with these half axes.
+    // The section of the plane through the normal and the direction is an ellipse with these half
+    // axes.
     const across = 1 / Math.sqrt((cos / b) ** 2 + (sin / c) ** 2);
     const at = (x, s) => [x / radius, (s * cos) / radius, (s * sin) / radius];
     const around = (f) => Array.from({length: 97}, (_, i) => f((2 * Math.PI * i) / 96));
@@ -102,4 +114,4 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     const mean = (a ** 2 + b ** 2 + c ** 2 - x ** 2 - y ** 2 - z ** 2) / (2 * (a * b * c) ** 2 * s ** 1.5);
     return `Here H = ${readable(mean)} and K = ${readable(gaussian)}.`;
   }
-});
+}

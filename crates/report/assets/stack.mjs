@@ -1,7 +1,8 @@
-'use strict';
-
-/** On a telephone the plots of a figure go below one another, and a line says so where there is more to the side. */
-class Stack {
+/**
+ * On a telephone the plots of a figure go below one another, and a line says so where there is more
+ * to the side.
+ */
+export class Stack {
   static MARGIN = 16;
 
   /** Keeps every figure as wide as its screen wants it. */

@@ -1,7 +1,11 @@
-'use strict';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {linePlot, sliderRow} from './plots.mjs';
 
-/** A panel whose positions are a sum of modes, as many as the reader likes, the last of them in part. */
-class ModeSum {
+/**
+ * A panel whose positions are a sum of modes, as many as the reader likes, the last of them in
+ * part.
+ */
+export class ModeSum {
   /** For the first panel with modes; null if there is none. */
   static of(meshes, changed) {
     const mesh = meshes.find((m) => m.modes);

@@ -1,4 +1,12 @@
-'use strict';
+import {Block, decodeView} from './data.mjs';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {COLORS, lookupAt, lookupOf, rangeOf} from '../../figure/viewer/colors.mjs';
+import {fieldsOf} from './derived.mjs';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {normals, shape} from '../../figure/viewer/geometry.mjs';
+import {LiveFlows} from './live.mjs';
+import {ModeSum} from './modes.mjs';
+import {Picture, Pictures} from '../../figure/viewer/pictures.mjs';
 
 /**
  * One interactive view: panels side by side under one camera, with controls.
@@ -6,7 +14,7 @@
  * What is chosen is kept in `state`; `settle` brings everything seen into line
  * with it.
  */
-class View extends Drawn {
+export class View extends Pictures {
   constructor(figure, maps) {
     super();
     this.figure = figure;
@@ -47,25 +55,22 @@ class View extends Drawn {
     this.live = LiveFlows.of(panels, this.truth, () => this.liveChanged());
     this.meshes = [...panels, ...(this.live?.panels ?? [])].map((panel) => ({
       ...panel,
-      zeros: new Float32Array(panel.vertices),
       shapes: new Map(),
     }));
     this.sum = ModeSum.of(this.meshes, () => this.settleSum());
-    this.fields = [...this.description.fields, ...Derived.fields(this.description, this.meshes)];
+    this.fields = [...this.description.fields, ...fieldsOf(this.description, this.meshes)];
     if (this.sum) this.fields.unshift(this.sum.field());
     for (const state of [this.state, this.home]) {
       // A view or an address may name its field.
       if (typeof state.field === 'string') state.field = this.fields.findIndex((f) => f.name === state.field);
-      // A mesh with modes is shown with the mode that is being added, others as they are unless they bring values.
+      // A mesh with modes is shown with the mode that is being added, others as they are unless
+      // they bring values.
       state.field ??= this.sum || this.description.fields.length ? 0 : -1;
       if (state.field >= this.fields.length) state.field = -1;
     }
     this.stage.replaceChildren(...this.controls(), this.panels(), ...this.sliderRows(), this.readout());
     this.figure.classList.add('open');
     this.homeSum = this.sum?.toText();
-    const fit = new ResizeObserver(() => this.resize());
-    for (const {canvas} of this.shown) fit.observe(canvas);
-    this.resize();
     this.settle();
     this.live?.recall(this.wantedLive);
     if (this.sum && this.wantedSum) this.settleSum(this.wantedSum);
@@ -129,16 +134,13 @@ class View extends Drawn {
   }
 
   panels() {
-    this.shown = this.meshes.map((mesh) => {
-      const canvas = steeredCanvas(`${mesh.title}. ${this.description.alt}`);
-      const bar = element('div', {class: 'bar'});
-      const title = element('p', {class: 'title'}, mesh.title);
-      const facts = element('p', {class: 'facts-line', hidden: !this.meshes.some((m) => m.facts?.length || (m.flow && this.truth))});
-      const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, facts, bar);
-      const shown = {mesh, canvas, bar, title, facts, panel, target: canvas.getContext('2d')};
-      this.listen(shown);
-      return shown;
-    });
+    const measured = this.meshes.some((m) => m.facts?.length || (m.flow && this.truth));
+    for (const mesh of this.meshes) {
+      const picture = Object.assign(new Picture(mesh.title, `${mesh.title}. ${this.description.alt}`), {mesh});
+      picture.facts.hidden = !measured;
+      picture.panel.hidden = Boolean(mesh.flow);
+      this.add(picture);
+    }
     return element('div', {class: 'panels'}, ...this.shown.map(({panel}) => panel));
   }
 
@@ -163,17 +165,10 @@ class View extends Drawn {
 
   // What happens.
 
-  listen(shown) {
-    steer(shown.canvas, this.camera, {
-      moved: () => this.turnTo(),
-      stepped: () => this.redraw(),
-      rested: () => this.remember(),
-      picked: (x, y) => this.pick(shown, x, y),
-      next: (by) => this.step(shown.mesh, by),
-    });
-  }
-
-  /** The live flows have been computed, or put away: they take the place of the panel that the sliders move. */
+  /**
+   * The live flows have been computed, or put away: they take the place of the panel that the
+   * sliders move.
+   */
   liveChanged() {
     for (const {mesh, title, panel} of this.shown) {
       if (mesh.flow) {
@@ -184,7 +179,6 @@ class View extends Drawn {
       }
     }
     this.measured.hidden = this.live.on;
-    this.resize();
     this.settle();
     this.remember();
   }
@@ -203,17 +197,12 @@ class View extends Drawn {
     this.remember();
   }
 
-  /** Picks the next vertex, or the previous one. */
-  step(mesh, by) {
-    const picked = (Math.max(this.state.picked, by > 0 ? -1 : 0) + by + mesh.vertices) % mesh.vertices;
-    this.change({picked});
+  get picked() {
+    return this.state.picked;
   }
 
-  /** Finds the vertex at a place given in parts of the width and height. */
-  pick(shown, x, y) {
-    const picked = vertexAt(this.scene(shown), shown.canvas, (v) => this.place(shown, v), x, y);
+  choose(picked) {
     this.change({picked});
-    return picked;
   }
 
   // What is shown.
@@ -237,7 +226,10 @@ class View extends Drawn {
     return field.stops[this.stopOf(field.stops)];
   }
 
-  /** The values of a field at the vertices of a panel; null where it has none. Those that are computed are kept. */
+  /**
+   * The values of a field at the vertices of a panel; null where it has none. Those that are
+   * computed are kept.
+   */
   valuesBy(field, mesh) {
     if (!field) return null;
     if (!field.derived) {
@@ -290,24 +282,12 @@ class View extends Drawn {
   }
 
   percentiles(chosen) {
-    const all = [];
-    const add = (values) => {
-      for (const x of values ?? []) if (Number.isFinite(x)) all.push(x);
-    };
-    const now = () => this.visible().forEach((mesh) => add(this.valuesBy(chosen, mesh)));
-    if (!chosen.derived) this.meshes.forEach((mesh) => mesh.fields.find((f) => f.name === chosen.name)?.stops.forEach(add));
+    const lists = [];
+    const now = () => lists.push(...this.visible().map((mesh) => this.valuesBy(chosen, mesh)));
+    if (!chosen.derived) lists.push(...this.meshes.flatMap((mesh) => mesh.fields.find((f) => f.name === chosen.name)?.stops ?? []));
     else if (this.live?.on) now();
     else this.atAllStops(now);
-    if (!all.length) return [0, 1];
-    const sorted = Float32Array.from(all).sort();
-    const at = (part) => sorted[Math.round(part * (sorted.length - 1))];
-    let [low, high] = [at(0.02), at(0.98)];
-    if (chosen.signed) {
-      high = Math.max(Math.abs(low), Math.abs(high));
-      low = -high;
-    }
-    if (!(low < high)) [low, high] = [low - 0.5 * (Math.abs(low) || 1), high + 0.5 * (Math.abs(high) || 1)];
-    return [low, high].map((x) => Number(x.toPrecision(3)));
+    return rangeOf(lists.filter(Boolean), chosen.signed);
   }
 
   /** The panels that are seen. */
@@ -323,22 +303,19 @@ class View extends Drawn {
   /** Colours along the range, 1024 of them, with the histogram equalised if asked. */
   lookup() {
     const map = this.maps[this.mapName()];
+    if (!this.state.even) return lookupOf(map);
     const [low, high] = this.range();
-    const size = 1024;
-    const key = [this.mapName(), low, high, this.state.even, this.state.even && [this.combination(), this.sum?.k], this.state.field].join();
+    const key = [this.mapName(), low, high, this.combination(), this.sum?.k, this.state.field].join();
     if (this.lookupKey === key) return this.lookupColors;
-    const colors = new Uint8Array(3 * size);
-    const shares = this.state.even ? this.shares(low, high, size) : null;
-    for (let i = 0; i < size; i++) {
-      const t = shares ? shares[i] : i / (size - 1);
-      const k = 3 * Math.round(t * (map.length / 3 - 1));
-      colors.set(map.subarray(k, k + 3), 3 * i);
-    }
-    [this.lookupKey, this.lookupColors] = [key, colors];
-    return colors;
+    const places = this.shares(low, high, COLORS);
+    [this.lookupKey, this.lookupColors] = [key, lookupAt(map, (i) => places[i])];
+    return this.lookupColors;
   }
 
-  /** The different values in range that are shown, if there are at most `most`; null if there are more. */
+  /**
+   * The different values in range that are shown, if there are at most `most`; null if there are
+   * more.
+   */
   distinct(low, high, most = 16) {
     const found = new Set();
     for (const mesh of this.visible()) {
@@ -371,7 +348,10 @@ class View extends Drawn {
     });
   }
 
-  /** Equalised colours of a few values: each has the middle of its ranks, and the bar shows no others. */
+  /**
+   * Equalised colours of a few values: each has the middle of its ranks, and the bar shows no
+   * others.
+   */
   sharesOf(few, low, high, size) {
     const counts = few.map(() => 0);
     for (const mesh of this.visible()) {
@@ -406,7 +386,7 @@ class View extends Drawn {
   shape(mesh) {
     const positions = this.positions(mesh);
     if (mesh.shapes.has(positions)) return mesh.shapes.get(positions);
-    const made = Geometry.shape(positions, mesh.faces, this.description.ball, mesh.occlusion);
+    const made = shape(positions, normals(positions, mesh.faces), this.description.ball, mesh.occlusion);
     // What the page computes is not asked for again once it is replaced.
     if (mesh.flow || mesh.modes) mesh.shapes.clear();
     mesh.shapes.set(positions, made);
@@ -419,44 +399,17 @@ class View extends Drawn {
       mesh,
       shape: this.shape(mesh),
       values: this.values(mesh),
-      camera: this.camera,
       lookup: this.lookup(),
       range: this.range(),
-      pixel: this.pixel,
       wire,
       lines,
       flat,
     };
   }
 
-  place({mesh, canvas}, v) {
-    const point = this.shape(mesh).points.subarray(4 * v, 4 * v + 3);
-    return this.camera.place(point, canvas.width, canvas.height);
-  }
-
-  resize() {
-    this.pixel = Math.min(window.devicePixelRatio || 1, 2);
-    for (const {canvas, panel} of this.shown) {
-      if (!panel.hidden) fitCanvas(canvas, this.pixel);
-    }
-    this.draw();
-  }
-
-  draw() {
-    const seen = this.shown.filter(({panel}) => !panel.hidden);
-    if (this.moving) Renderer.drawMoving(seen.map((shown) => ({target: shown.target, scene: this.scene(shown)})), 0.5);
-    const {picked} = this.state;
-    for (const shown of seen) {
-      if (!this.moving) Renderer.draw(shown.target, this.scene(shown));
-      if (picked >= 0 && picked < shown.mesh.vertices) {
-        ring(shown.target, this.place(shown, picked), this.pixel);
-      }
-    }
-  }
-
   /**
-   * Asks the module for what the colours need, at all stops since they share a range, and for the values of a picked
-   * vertex; settles again if there is something new.
+   * Asks the module for what the colours need, at all stops since they share a range, and for the
+   * values of a picked vertex; settles again if there is something new.
    */
   async ask() {
     const {state} = this;
@@ -497,22 +450,24 @@ class View extends Drawn {
       words.textContent = text;
       input.setAttribute('aria-valuetext', text);
     });
-    for (const shown of this.shown) {
-      shown.bar.replaceChildren(...(shown.panel.hidden ? [] : this.bar(shown)));
-      shown.facts?.replaceChildren(...this.facts(shown.mesh));
+    for (const picture of this.shown) {
+      picture.explain(picture.panel.hidden ? null : this.colors(picture.mesh));
+      picture.facts.replaceChildren(...this.facts(picture.mesh));
     }
     this.sum?.settle();
     this.words.textContent = this.pickedWords();
     this.draw();
   }
 
-  bar({mesh, panel}) {
+  /** What the colour bar of a panel shows, if there are values. */
+  colors(mesh) {
     const values = this.values(mesh);
-    if (!values) return [];
+    if (!values) return null;
+    const {even} = this.state;
     const {name, unit} = this.chosen();
     const range = this.range();
-    const few = this.state.even ? this.distinct(...range, 6) : null;
-    return [colorBar({values, range, lookup: this.lookup(), name, unit, few, even: this.state.even, across: panel.clientWidth || undefined})];
+    const few = even ? this.distinct(...range, 6) : null;
+    return {values, range, lookup: this.lookup(), name, unit, few, even};
   }
 
   /** What was measured of a panel at this combination of stops, number by number. */
@@ -574,9 +529,10 @@ class View extends Drawn {
     const chosen = (stops ?? '').split('~');
     state.stops = sliders.map((s, i) => whole(chosen[i] ?? '', 0, s.stops.length - 1, state.stops[i]));
     // How many fields there are is known once the view is open.
+    const isOpen = this.shown.length > 0;
     const named = field && !Number.isInteger(Number(field));
-    if (!named) state.field = whole(field, -1, this.shown ? this.fields.length - 1 : 99, state.field);
-    else if (!this.shown) state.field = field;
+    if (!named) state.field = whole(field, -1, isOpen ? this.fields.length - 1 : 99, state.field);
+    else if (!isOpen) state.field = field;
     else if (this.fields.some((f) => f.name === field)) state.field = this.fields.findIndex((f) => f.name === field);
     state.map = Object.hasOwn(this.maps, map) ? map : null;
     const ends = (range ?? '').split('~').map(Number);
@@ -586,8 +542,10 @@ class View extends Drawn {
     state.picked = whole(picked, -1, Math.max(...panels.map((p) => p.vertices)) - 1, -1);
     this.wantedLive = live ?? '';
     this.wantedSum = sum ?? '';
-    if (this.shown && this.sum && sum) this.sum.recall(sum);
-    if (this.shown) this.live?.recall(this.wantedLive);
+    if (!isOpen) return;
+    if (sum) this.sum?.recall(sum);
+    this.live?.recall(this.wantedLive);
+    this.settle();
   }
 }
 

@@ -1,8 +1,20 @@
-'use strict';
+import {Camera} from '../../figure/viewer/camera.mjs';
+import {Computing} from './computing.mjs';
+import {angles} from './derived.mjs';
+import {element, readable} from '../../figure/viewer/dom.mjs';
+import {Playground} from './playground.mjs';
+import {linePlot} from './plots.mjs';
+import {turned} from './surfaces.mjs';
 
-/** A turned part with creases under noise, after diffusion and after a filter of normals, with what each costs. */
-Playground.kinds.set('denoising', class extends Playground {
-  /** Radius and height along the outline of the part, from the middle of its bottom to that of its top. */
+/**
+ * A turned part with creases under noise, after diffusion and after a filter of normals, with what
+ * each costs.
+ */
+export class DenoisingPlayground extends Playground {
+  /**
+   * Radius and height along the outline of the part, from the middle of its bottom to that of its
+   * top.
+   */
   static outline = [[0, -0.7], [1, -0.7], [1, 0], [0.62, 0], [0.62, 0.45], [0.4, 0.67], [0, 0.67]];
 
   build() {
@@ -10,31 +22,20 @@ Playground.kinds.set('denoising', class extends Playground {
     this.sigma = this.slider('noise', {min: 0, max: 0.6, step: 0.01, value: 0.2}, (x) => `σ = ${readable(x)} h`);
     this.steps = this.slider('diffusion', {min: 0, max: 40, step: 1, value: 8}, (x) => `${x} explicit steps, λ = 0.5`);
     this.rounds = this.slider('filter', {min: 0, max: 40, step: 1, value: 20}, (x) => `${x} rounds of the filter`);
-    this.seed = 1;
-    const again = element('button', {type: 'button'}, 'draw noise again');
-    again.addEventListener('click', () => {
-      this.seed += 1;
-      this.change();
-    });
-    this.results = ['noisy', 'diffusion', 'filter of normals'].map((title) => {
-      const stage = this.stage(title, `The part: ${title}.`);
-      const facts = element('p', {class: 'facts-line'});
-      stage.panel.insertBefore(facts, stage.bar);
-      return {stage, facts};
-    });
+    for (const title of ['noisy', 'diffusion', 'filter of normals']) this.stage(title, `The part: ${title}.`).facts.hidden = false;
     this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
     this.plots = element('div', {class: 'beside'});
-    const {positions, faces} = Surfaces.turned(this.constructor.outline, 0.1);
+    const {positions, faces} = turned(this.constructor.outline, 0.1);
     Object.assign(this, {truth: positions, faces, ball: {center: [0, 0, 0], radius: 1.2}});
     return [
-      element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, again),
-      element('div', {class: 'panels'}, ...this.results.map(({stage}) => stage.panel)),
+      element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.seeds()),
+      element('div', {class: 'panels'}, ...this.shown.map(({panel}) => panel)),
       this.sigma.row, this.steps.row, this.rounds.row, this.result, this.plots,
     ];
   }
 
   preview() {
-    for (const {stage} of this.results) stage.show(this.truth, this.faces, this.ball, {flat: true});
+    for (const stage of this.shown) stage.show(this.truth, this.faces, this.ball, {flat: true});
   }
 
   async prepare() {
@@ -63,7 +64,9 @@ Playground.kinds.set('denoising', class extends Playground {
     this.now = {sigma, found: await this.restored(sigma)};
   }
 
-  /** The normal error over the noise, which is kept until the steps, the rounds or the seed change. */
+  /**
+   * The normal error over the noise, which is kept until the steps, the rounds or the seed change.
+   */
   async refine() {
     const key = [this.steps.value(), this.rounds.value(), this.seed].join();
     if (key === this.key) return;
@@ -77,14 +80,14 @@ Playground.kinds.set('denoising', class extends Playground {
   }
 
   show() {
-    this.results.forEach(({stage, facts}, k) => {
+    this.shown.forEach((stage, k) => {
       const {positions, angle, volume, creases} = this.now.found[k];
       const fact = (name, value) => element('span', {class: 'fact'}, `${name} `, element('b', {}, value));
-      facts.replaceChildren(
+      stage.facts.replaceChildren(
         fact('normal error', `${readable(angle, 2)}°`),
         fact('volume', `${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`),
         fact('creases, F-score', `${readable(creases, 2)} %`));
-      const values = Derived.angles(positions, this.truth, this.faces);
+      const values = angles(positions, this.truth, this.faces);
       stage.show(positions, this.faces, this.ball, {flat: true, colors: {values, range: [0, 40], map: 'viridis', name: 'normal error', unit: '°'}});
     });
     this.result.textContent = this.verdict();
@@ -118,4 +121,4 @@ Playground.kinds.set('denoising', class extends Playground {
     const [noisy, flow, filter] = off.map((x) => readable(x, 2));
     return `Off its true place by ${noisy} h (noisy), ${flow} h (diffusion) and ${filter} h (filter).`;
   }
-});
+}

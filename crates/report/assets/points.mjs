@@ -1,10 +1,10 @@
-'use strict';
+import {element, readable} from '../../figure/viewer/dom.mjs';
 
 /**
- * Points of plots: the one that is pointed at says its values, and moves the sliders of the view that shows what it
- * stands for. Arrow keys go from point to point.
+ * Points of plots: the one that is pointed at says its values, and moves the sliders of the view
+ * that shows what it stands for. Arrow keys go from point to point.
  */
-class PlotPoints {
+export class PlotPoints {
   constructor(svg, views) {
     this.svg = svg;
     this.views = views;
@@ -86,7 +86,10 @@ class PlotPoints {
     return view ? {view, link} : null;
   }
 
-  /** The stops nearest to the point; a slider that has the name of its series as a stop goes there, too. */
+  /**
+   * The stops nearest to the point; a slider that has the name of its series as a stop goes there,
+   * too.
+   */
   async move(point, found) {
     if (!found) return;
     const {view, link} = found;

@@ -1,45 +1,7 @@
-'use strict';
-
-/** Numbers as the report writes them. */
-function readable(x, digits = 3) {
-  if (!Number.isFinite(x)) return '–';
-  if (x === 0) return '0';
-  const size = Math.abs(x);
-  if (size >= 1e-3 && size < 1e5) return String(Number(x.toPrecision(digits))).replace('-', '\u2212');
-  const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
-  return `${String(Number(mantissa)).replace('-', '\u2212')} × 10${superscript(Number(exponent))}`;
-}
-
-function element(name, attributes = {}, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (value === true) made.setAttribute(key, '');
-    else if (value !== false && value !== null) made.setAttribute(key, value);
-  }
-  made.append(...children);
-  return made;
-}
-
-/** An empty SVG picture and a function that adds elements to it. */
-function picture(viewBox, label, classes = 'plot') {
-  const space = 'http://www.w3.org/2000/svg';
-  const svg = document.createElementNS(space, 'svg');
-  svg.setAttribute('viewBox', viewBox);
-  svg.setAttribute('role', 'img');
-  svg.setAttribute('aria-label', label);
-  svg.setAttribute('class', classes);
-  const add = (name, attributes, text = '') => {
-    const made = document.createElementNS(space, name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.textContent = text;
-    svg.append(made);
-    return made;
-  };
-  return {svg, add};
-}
+import {element, picture, readable, roundValues, superscript} from '../../figure/viewer/dom.mjs';
 
 /** A slider with its words before it; `read` turns its position into words. */
-function sliderRow(label, attributes, read, changed) {
+export function sliderRow(label, attributes, read, changed) {
   const input = element('input', {type: 'range', 'aria-label': label, ...attributes});
   const words = element('output', {});
   const say = () => {
@@ -55,35 +17,18 @@ function sliderRow(label, attributes, read, changed) {
   return {row, input, say, value: () => Number(input.value)};
 }
 
-/** Round values, about `wanted` of them. */
-function roundValues(low, high, wanted) {
-  const raw = (high - low) / wanted;
-  const decade = 10 ** Math.floor(Math.log10(raw));
-  const step = decade * ([1, 2, 5, 10].find((m) => m * decade >= 0.75 * raw) ?? 10);
-  const values = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
-    values.push(Number((i * step).toPrecision(12)));
-  }
-  return values;
-}
-
-/** A whole number, raised. */
-function superscript(x) {
-  const digits = {'-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹'};
-  return [...String(x)].map((c) => digits[c]).join('');
-}
-
 /** A power of ten. */
 function powerOfTen(x) {
   return `10${superscript(Math.round(Math.log10(x)))}`;
 }
 
 /**
- * Lines over one axis, each labelled at its end. `x` and `y`: `from`, `to`, `label`, `log`. A series has `name`,
- * `points`, `kind` (a class of the style sheet) and perhaps `dots` instead of a line. `marks` are vertical lines with
- * words, `band` is a range of y with a ground of its own, `here` a point that is ringed.
+ * Lines over one axis, each labelled at its end. `x` and `y`: `from`, `to`, `label`, `log`. A
+ * series has `name`, `points`, `kind` (a class of the style sheet) and perhaps `dots` instead of a
+ * line. `marks` are vertical lines with words, `band` is a range of y with a ground of its own,
+ * `here` a point that is ringed.
  */
-function linePlot({label, x, y, series, marks = [], band = null, here = [], size = [420, 200]}) {
+export function linePlot({label, x, y, series, marks = [], band = null, here = [], size = [420, 200]}) {
   // On a telephone words would be too small in a wide picture.
   const [width, height] = innerWidth < 600 ? [215, 170] : size;
   const longest = Math.max(...series.map(({name}) => name.length));
