@@ -48,7 +48,7 @@ export class Client {
     const known = this.#held.get(number);
     if (known) return known;
     const {arrays} = await this.call({verb: 'mesh', mesh: number});
-    const held = {...arrays, fields: new Map()};
+    const held = {...arrays, fields: new Map(), computed: new Set()};
     this.#held.set(number, held);
     await this.keepOthers(number);
     return held;
@@ -69,7 +69,7 @@ export class Client {
    * number.
    */
   async add(positions, faces) {
-    const held = {positions, faces, fields: new Map()};
+    const held = {positions, faces, fields: new Map(), computed: new Set()};
     const {value} = await this.call(...adoption(held));
     this.#held.set(value.mesh, held);
     return value.mesh;
@@ -77,8 +77,10 @@ export class Client {
 
   /** The values of a field of a mesh. */
   async field(number, name) {
-    const {arrays} = await this.call({verb: 'field', mesh: number, name});
-    this.#held.get(number)?.fields.set(name, arrays.values);
+    const {value, arrays} = await this.call({verb: 'field', mesh: number, name});
+    const held = this.#held.get(number);
+    held?.fields.set(name, arrays.values);
+    if (value.computed) held?.computed.add(name);
     return arrays.values;
   }
 
@@ -128,7 +130,7 @@ export class Client {
 }
 
 /** The request that hands a mesh with its fields over, and its bytes. */
-function adoption({positions, faces, fields, others = {list: [], bytes: new Uint8Array()}}) {
+function adoption({positions, faces, fields, computed, others = {list: [], bytes: new Uint8Array()}}) {
   const parts = [positions, faces, ...fields.values(), others.bytes];
   const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.byteLength, 0));
   let at = 0;
@@ -137,6 +139,6 @@ function adoption({positions, faces, fields, others = {list: [], bytes: new Uint
     at += part.byteLength;
   }
   const counts = {vertices: positions.length / 3, faces: faces.length / 3};
-  const list = [...[...fields.keys()].map((name) => ['scalar', name]), ...others.list];
+  const list = [...[...fields.keys()].map((name) => ['scalar', name, computed.has(name)]), ...others.list];
   return [{verb: 'adopt', ...counts, fields: list}, {bytes}];
 }

@@ -13,7 +13,8 @@ use fairing_spectral as spectral;
 use serde_json::{Map, Value, json};
 
 use crate::answer::Answer;
-use crate::meshes::Meshes;
+use crate::meshes::{Held, Meshes};
+use crate::parts::{Computed, is_computed};
 use crate::request::Request;
 use crate::tasks::{NoiseOptions, NoiseUnit, RepairTask, SpectrumTask};
 use crate::values;
@@ -72,26 +73,27 @@ pub(crate) fn reconstruct(meshes: &mut Meshes, request: &Request<'_>) -> Result<
     moved(meshes, request, rebuilt.mesh, report)
 }
 
-/// Keeps a mesh with the faces of `mesh`, and with those of its fields that fit other positions.
+/// Keeps a mesh with the faces of `mesh`, and with the fields of its file but normals.
 fn moved(
     meshes: &mut Meshes,
     request: &Request<'_>,
     mesh: TriMesh,
     report: Value,
 ) -> Result<Answer> {
-    let fields = meshes.held(request, "mesh")?.fields.clone();
-    let (fields, dropped) = without(fields, |name| name == "normal" || values::is_computed(name));
-    Ok(kept(meshes, mesh, fields.without_normals(), dropped, report))
+    let held = meshes.held(request, "mesh")?;
+    let (fields, mut dropped) = of_the_file(held);
+    if fields.vectors.iter().any(|(name, _)| name == "normal") {
+        dropped.push("normal".to_owned());
+    }
+    Ok(kept(meshes, mesh, fields.without_normals(), Computed::new(), dropped, report))
 }
 
-/// The fields of vertices whose names do not satisfy a condition, and the names of the others.
-fn without(mut fields: VertexFields, drop: fn(&str) -> bool) -> (VertexFields, Vec<String>) {
-    let names = fields.scalars.iter().map(|(name, _)| name);
-    let names = names.chain(fields.vectors.iter().map(|(name, _)| name));
-    let dropped = names.filter(|name| drop(name)).cloned().collect();
-    fields.scalars.retain(|(name, _)| !drop(name));
-    fields.vectors.retain(|(name, _)| !drop(name));
-    (fields, dropped)
+/// The fields of a mesh that were not computed here, and the names of the others.
+fn of_the_file(held: &Held) -> (VertexFields, Vec<String>) {
+    let mut fields = held.fields.clone();
+    fields.scalars.retain(|(name, _)| !is_computed(&held.computed, "scalar", name));
+    fields.vectors.retain(|(name, _)| !is_computed(&held.computed, "vector", name));
+    (fields, held.computed.iter().map(|(_, name)| name.clone()).collect())
 }
 
 /// Keeps a mesh; the answer names the fields that were `dropped`.
@@ -99,10 +101,11 @@ fn kept(
     meshes: &mut Meshes,
     mesh: TriMesh,
     fields: VertexFields,
+    computed: Computed,
     dropped: Vec<String>,
     report: Value,
 ) -> Answer {
-    let mut answer = meshes.keep(mesh, fields, report);
+    let mut answer = meshes.keep(mesh, fields, computed, report);
     answer.value["dropped"] = json!(dropped);
     answer
 }
@@ -111,7 +114,9 @@ fn kept(
 pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let task = RepairTask::with("repair", &request.values()?)?.unwrap_or_default();
     let held = meshes.held(request, "mesh")?;
-    let (mesh, fields) = (Arc::clone(&held.mesh), held.fields.clone());
+    let mesh = Arc::clone(&held.mesh);
+    let all = (held.fields.clone(), held.computed.clone());
+    let (own, dropped) = of_the_file(held);
     let options = RepairOptions {
         tolerance: task.tolerance,
         smallest_component: task.components,
@@ -128,17 +133,17 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
         counts.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect();
     let flat = flat.map(|error| error.to_string());
     let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts, "flat": flat });
-    let (fields, dropped) = match repaired.is_unchanged() {
-        true => (fields, vec![]),
-        false => without(fields, values::is_computed),
+    let ((fields, computed), dropped) = match repaired.is_unchanged() {
+        true => (all, vec![]),
+        false => ((own, Computed::new()), dropped),
     };
     let fields = repaired.carried(&mesh, fields);
-    Ok(kept(meshes, repaired.mesh, fields, dropped, report))
+    Ok(kept(meshes, repaired.mesh, fields, computed, dropped, report))
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::Value;
+    use serde_json::{Value, json};
 
     use crate::Session;
 
@@ -157,35 +162,57 @@ property double ny
 property double nz
 property double height
 property double distance
+property double direction1
 element face 4
 property list uchar int vertex_indices
 end_header
-0 0 1 0 0 1 5 0
-1 0 0 0 0 1 4 1
-0 1 0 0 0 1 3 2
--1 0 0 0 0 1 2 3
-0 -1 0 0 0 1 1 4
+0 0 1 0 0 1 5 0 9
+1 0 0 0 0 1 4 1 9
+0 1 0 0 0 1 3 2 9
+-1 0 0 0 0 1 2 3 9
+0 -1 0 0 0 1 1 4 9
 3 0 1 2
 3 0 2 3
 3 0 3 4
 3 0 4 1
 ";
 
-    /// The fields of a file stay, except those that describe positions.
+    /// The fields of a file stay, normals excepted, whatever their names.
     #[test]
-    fn moved_vertices_have_no_fields_of_other_positions() {
+    fn moved_vertices_keep_the_fields_of_the_file_and_no_others() {
         let mut session = Session::new();
         ask(&mut session, r#"{"verb": "read", "name": "a.ply"}"#, PLY);
-        ask(&mut session, r#"{"verb": "curvature", "mesh": 1, "method": "jet3"}"#, &[]);
+        let curved =
+            ask(&mut session, r#"{"verb": "curvature", "mesh": 1, "method": "jet3"}"#, &[]);
+        assert_eq!(curved["replaced"], json!([]));
         let moved = ask(&mut session, r#"{"verb": "smooth", "mesh": 1}"#, &[]);
-        assert_eq!(moved["fields"], serde_json::json!(["height"]));
+        assert_eq!(moved["fields"], json!(["height", "distance", "direction1"]));
+        assert_eq!(moved["computed"], json!([]));
         let dropped = moved["dropped"].to_string();
-        for name in ["mean", "kappa2", "distance", "normal", "direction1"] {
+        for name in ["mean", "kappa2", "normal", "direction1"] {
             assert!(dropped.contains(&format!("\"{name}\"")), "{name} is not in {dropped}");
         }
         let repaired = ask(&mut session, r#"{"verb": "repair", "mesh": 1}"#, &[]);
         let names = repaired["fields"].to_string();
         assert!(names.contains("mean") && names.contains("source"), "{names}");
-        assert_eq!(repaired["dropped"], serde_json::json!([]));
+        assert_eq!(repaired["dropped"], json!([]));
+        assert!(repaired["computed"].to_string().contains("mean"), "{repaired}");
+    }
+
+    /// A computed field takes the place of one of the file, says so, and goes as others do.
+    #[test]
+    fn replaced_fields_of_the_file_are_named() {
+        let mut session = Session::new();
+        ask(&mut session, r#"{"verb": "read", "name": "a.ply"}"#, PLY);
+        let distance = r#"{"verb": "distance", "mesh": 1, "values": {"sources": "0"}}"#;
+        let first = ask(&mut session, distance, &[]);
+        assert_eq!(first["replaced"], json!(["distance"]));
+        assert_eq!(first["computed"], json!(["distance"]));
+        assert_eq!(ask(&mut session, distance, &[])["replaced"], json!([]));
+        let field = ask(&mut session, r#"{"verb": "field", "mesh": 1, "name": "distance"}"#, &[]);
+        assert_eq!(field["computed"], true);
+        let moved = ask(&mut session, r#"{"verb": "smooth", "mesh": 1}"#, &[]);
+        assert_eq!(moved["fields"], json!(["height", "direction1"]));
+        assert_eq!(moved["dropped"], json!(["distance", "normal"]));
     }
 }

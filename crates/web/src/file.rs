@@ -17,7 +17,7 @@ use crate::{parts, sample};
 /// A mesh made by formula: `name`.
 pub(crate) fn sample(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let mesh = sample::made(request.text("name")?)?;
-    Ok(meshes.keep(mesh, VertexFields::default(), Value::Null))
+    Ok(meshes.keep(mesh, VertexFields::default(), Default::default(), Value::Null))
 }
 
 /// The bytes of a file: `name`, whose extension counts, and `drop_broken`.
@@ -30,7 +30,7 @@ pub(crate) fn read(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer>
     let MeshFile { mesh, fields, report, .. } = file;
     let mut value = serde_json::to_value(&report)?;
     value["text"] = json!(report.to_string());
-    Ok(meshes.keep(mesh, fields, value))
+    Ok(meshes.keep(mesh, fields, Default::default(), value))
 }
 
 /// The bytes of `mesh` in a `format`, with its fields as far as the format holds them.
@@ -64,18 +64,19 @@ pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     let (positions, rest) = request.bytes.split_at(24 * vertices as usize);
     let (corners, rest) = rest.split_at(12 * faces as usize);
     let mesh = TriMesh::from_flat(&parts::numbers(positions), &parts::integers(corners))?;
-    let fields = parts::unpacked(rest, vertices, faces, fields)?;
+    let (fields, computed) = parts::unpacked(rest, vertices, faces, fields)?;
     if !request.has("mesh") {
-        return Ok(meshes.keep(mesh, fields, Value::Null));
+        return Ok(meshes.keep(mesh, fields, computed, Value::Null));
     }
-    meshes.adopt(request.number("mesh")?, mesh, fields);
+    meshes.adopt(request.number("mesh")?, mesh, fields, computed);
     Ok(Value::Null.into())
 }
 
 /// The fields of `mesh` that are not scalars of vertices: `fields`, a list as `adopt` takes it,
 /// and the `bytes` that belong to it.
 pub(crate) fn others(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
-    let (fields, bytes) = parts::packed(&meshes.held(request, "mesh")?.fields);
+    let held = meshes.held(request, "mesh")?;
+    let (fields, bytes) = parts::packed(&held.fields, &held.computed);
     Ok(Answer::from(json!({ "fields": fields })).with("bytes", Array::Bytes(bytes)))
 }
 
@@ -90,10 +91,12 @@ pub(crate) fn mesh(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer>
         .with("normals", Array::Numbers(normals)))
 }
 
-/// The scalar field `name` of `mesh`.
+/// The scalar field `name` of `mesh`, and whether it was `computed`.
 pub(crate) fn field(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let name = request.text("name")?;
     let held = meshes.held(request, "mesh")?;
     let values = held.fields.scalar(name).with_context(|| format!("there is no field {name:?}"))?;
-    Ok(Answer::from(Value::Null).with("values", Array::Numbers(values.to_vec())))
+    let computed = parts::is_computed(&held.computed, "scalar", name);
+    let values = Array::Numbers(values.to_vec());
+    Ok(Answer::from(json!({ "computed": computed })).with("values", values))
 }

@@ -10,6 +10,7 @@ use fairing_spectral::{HeatGeodesics, Spectrum};
 use serde_json::{Value, json};
 
 use crate::answer::{Answer, Array};
+use crate::parts::{Computed, is_computed};
 use crate::request::Request;
 
 /// The meshes of a session.
@@ -23,6 +24,8 @@ pub(crate) struct Meshes {
 pub(crate) struct Held {
     pub(crate) mesh: Arc<TriMesh>,
     pub(crate) fields: VertexFields,
+    /// The fields that were computed here; all others are values of the file.
+    pub(crate) computed: Computed,
     /// The last spectrum, with the options that it was computed with.
     pub(crate) spectrum: Option<(String, Arc<Spectrum>)>,
     /// The factors for distances, with the options that they were computed with.
@@ -43,17 +46,44 @@ impl Held {
         Ok(Arc::clone(&self.mesh))
     }
 
-    /// Sets a scalar field, in place of one of the same name.
-    pub(crate) fn set(&mut self, name: &str, values: Vec<f64>) {
-        self.fields.scalars.retain(|(n, _)| n != name);
-        self.fields.scalars.push((name.to_owned(), values));
+    /// Sets a computed scalar field, in place of one of the same name. Returns true if that one
+    /// was of the file.
+    pub(crate) fn set(&mut self, name: &str, values: Vec<f64>) -> bool {
+        let replaced = put(&mut self.fields.scalars, name, values);
+        self.computed.insert(("scalar", name.to_owned())) && replaced
     }
 
-    /// Sets a vector field, in place of one of the same name.
-    pub(crate) fn set_vectors(&mut self, name: &str, values: Vec<[f64; 3]>) {
-        self.fields.vectors.retain(|(n, _)| n != name);
-        self.fields.vectors.push((name.to_owned(), values));
+    /// The same for a vector field.
+    pub(crate) fn set_vectors(&mut self, name: &str, values: Vec<[f64; 3]>) -> bool {
+        let replaced = put(&mut self.fields.vectors, name, values);
+        self.computed.insert(("vector", name.to_owned())) && replaced
     }
+
+    /// The names of the scalar fields, of those that were computed, and of fields of the file that
+    /// a request has `replaced`.
+    pub(crate) fn listed(&self, replaced: &[&str]) -> Value {
+        json!({
+            "fields": names(&self.fields),
+            "computed": self.computed_names(),
+            "replaced": replaced,
+        })
+    }
+
+    fn computed_names(&self) -> Vec<&str> {
+        names(&self.fields)
+            .into_iter()
+            .filter(|name| is_computed(&self.computed, "scalar", name))
+            .collect()
+    }
+}
+
+/// Puts a field into a list. Returns true if it replaces one of the same name.
+fn put<T>(fields: &mut Vec<(String, T)>, name: &str, values: T) -> bool {
+    let before = fields.len();
+    fields.retain(|(n, _)| n != name);
+    let replaced = fields.len() < before;
+    fields.push((name.to_owned(), values));
+    replaced
 }
 
 impl Meshes {
@@ -69,28 +99,42 @@ impl Meshes {
     }
 
     /// Keeps a mesh under a number that it had in an earlier session.
-    pub(crate) fn adopt(&mut self, number: u32, mesh: TriMesh, fields: VertexFields) {
+    pub(crate) fn adopt(
+        &mut self,
+        number: u32,
+        mesh: TriMesh,
+        fields: VertexFields,
+        computed: Computed,
+    ) {
         self.last = self.last.max(number);
         let mesh = Arc::new(mesh);
-        self.held.insert(number, Held { mesh, fields, spectrum: None, geodesics: None });
+        self.held.insert(number, Held { mesh, fields, computed, spectrum: None, geodesics: None });
     }
 
     /// Keeps a mesh, and answers with its number and what else is known of it.
-    pub(crate) fn keep(&mut self, mesh: TriMesh, fields: VertexFields, report: Value) -> Answer {
+    pub(crate) fn keep(
+        &mut self,
+        mesh: TriMesh,
+        fields: VertexFields,
+        computed: Computed,
+        report: Value,
+    ) -> Answer {
         self.last += 1;
-        let value = json!({
+        let mut value = json!({
             "mesh": self.last,
             "vertices": mesh.vertex_count(),
             "faces": mesh.face_count(),
             "unwelded": mesh.is_unwelded(),
             "turned": mesh.turned_faces().len(),
             "seams": mesh.seam_vertices(),
-            "fields": names(&fields),
             "report": report,
         });
         let number = self.last;
-        self.adopt(number, mesh, fields);
-        let positions = Array::Positions(Arc::clone(&self.held[&number].mesh));
+        self.adopt(number, mesh, fields, computed);
+        let held = &self.held[&number];
+        value["fields"] = json!(names(&held.fields));
+        value["computed"] = json!(held.computed_names());
+        let positions = Array::Positions(Arc::clone(&held.mesh));
         Answer::from(value).with("positions", positions)
     }
 }

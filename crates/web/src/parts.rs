@@ -1,11 +1,21 @@
 //! Fields as a list and bytes, as a page keeps them for the next session.
 //!
-//! An entry of the list is a pair, the kind and the name of a field; its numbers follow those of
-//! the entries before it.
+//! An entry of the list has the kind and the name of a field, and true if it was computed; its
+//! numbers follow those of the entries before it.
+
+use std::collections::BTreeSet;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use fairing_mesh::io::VertexFields;
 use serde_json::{Value, json};
+
+/// The kinds and the names of fields that were computed here.
+pub(crate) type Computed = BTreeSet<(&'static str, String)>;
+
+/// Returns true for a field that was computed.
+pub(crate) fn is_computed(computed: &Computed, kind: &str, name: &str) -> bool {
+    computed.iter().any(|(k, n)| *k == kind && n == name)
+}
 
 /// The bytes of a value: numbers of 64 bits and bytes of colours.
 fn width(kind: &str) -> Result<u64> {
@@ -42,20 +52,25 @@ pub(crate) fn size(vertices: u32, faces: u32, fields: &[Value]) -> Result<u64> {
     Ok(size)
 }
 
-/// The fields of a list, from their bytes.
+/// The fields of a list, from their bytes, and those of them that were computed.
 pub(crate) fn unpacked(
     mut bytes: &[u8],
     vertices: u32,
     faces: u32,
     fields: &[Value],
-) -> Result<VertexFields> {
-    let mut made = VertexFields::default();
+) -> Result<(VertexFields, Computed)> {
+    let (mut made, mut computed) = (VertexFields::default(), Computed::new());
     for field in fields {
         let [kind, name] = entry(field)?;
         let length = width(kind)? as usize * count(kind, vertices, faces) as usize;
         ensure!(length <= bytes.len(), "{name} has {} bytes instead of {length}", bytes.len());
         let (own, rest) = bytes.split_at(length);
         let name = name.to_owned();
+        if let Some(kind) = ["scalar", "vector"].into_iter().find(|known| *known == kind)
+            && field[2] == true
+        {
+            computed.insert((kind, name.clone()));
+        }
         match kind {
             "scalar" => made.scalars.push((name, numbers(own))),
             "vector" => made.vectors.push((name, numbers(own).as_chunks().0.to_vec())),
@@ -67,14 +82,14 @@ pub(crate) fn unpacked(
         }
         bytes = rest;
     }
-    Ok(made)
+    Ok((made, computed))
 }
 
 /// The list and the bytes of all fields but scalars of vertices.
-pub(crate) fn packed(fields: &VertexFields) -> (Vec<Value>, Vec<u8>) {
+pub(crate) fn packed(fields: &VertexFields, computed: &Computed) -> (Vec<Value>, Vec<u8>) {
     let (mut list, mut bytes) = (vec![], vec![]);
     let mut numbers = |kind: &str, name: &str, values: &[f64]| {
-        list.push(json!([kind, name]));
+        list.push(json!([kind, name, is_computed(computed, kind, name)]));
         bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
     };
     for (name, values) in &fields.vectors {
@@ -91,7 +106,7 @@ pub(crate) fn packed(fields: &VertexFields) -> (Vec<Value>, Vec<u8>) {
     }
     for (kind, colors) in [("color", &fields.colors), ("face color", &fields.faces.colors)] {
         if let Some(colors) = colors {
-            list.push(json!([kind, ""]));
+            list.push(json!([kind, "", false]));
             bytes.extend(colors.as_flattened());
         }
     }
@@ -123,9 +138,10 @@ mod tests {
         fields.faces.vectors.push(("normal".into(), vec![[0.1; 3]]));
         fields.faces.colors = Some(vec![[7, 8, 9]]);
         fields.faces.texture = Some(vec![[0.0, 1.0], [0.25, 0.5], [1.0, 0.0]]);
-        let (list, bytes) = packed(&fields);
+        let computed = Computed::from([("vector", "flow".to_owned())]);
+        let (list, bytes) = packed(&fields, &computed);
         assert_eq!(size(2, 1, &list).unwrap(), 2 * 24 + 12 + bytes.len() as u64);
-        assert_eq!(unpacked(&bytes, 2, 1, &list).unwrap(), fields);
+        assert_eq!(unpacked(&bytes, 2, 1, &list).unwrap(), (fields, computed));
     }
 
     #[test]

@@ -13,29 +13,9 @@ use fairing_watch as watch;
 use serde_json::{Value, json};
 
 use crate::answer::{Answer, Array};
-use crate::meshes::{Held, Meshes, names};
+use crate::meshes::{Held, Meshes};
 use crate::request::Request;
 use crate::tasks::{BoundaryCondition, DistanceOptions, SpectrumTask};
-
-/// The fields that the verbs here set. They describe the positions for which they were computed.
-const COMPUTED: [&str; 10] = [
-    "mean",
-    "gaussian",
-    "kappa1",
-    "kappa2",
-    "defined",
-    "boundary",
-    "direction1",
-    "direction2",
-    "distance",
-    "mode",
-];
-
-/// Returns true for the name of a field that the verbs here set, or set before it went through a
-/// file.
-pub(crate) fn is_computed(name: &str) -> bool {
-    COMPUTED.contains(&name)
-}
 
 /// Curvature of `mesh` by the estimator `method`: its fields mean, gaussian, kappa1, kappa2,
 /// defined and boundary, and the principal directions if the estimator has them.
@@ -51,28 +31,32 @@ pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<An
         }
     }
     let too_thin = field.too_thin;
-    keep_curvature(held, field);
-    let value = json!({
-        "method": estimator.name(),
-        "fields": names(&held.fields),
-        "undefined_because": reasons,
-        "too_thin_face": too_thin,
-    });
+    let replaced = keep_curvature(held, field);
+    let mut value = held.listed(&replaced);
+    value["method"] = json!(estimator.name());
+    value["undefined_because"] = json!(reasons);
+    value["too_thin_face"] = json!(too_thin);
     Ok(value.into())
 }
 
-fn keep_curvature(held: &mut Held, field: CurvatureField) {
+/// Sets the fields of a curvature. Returns the names of those that replace fields of the file.
+fn keep_curvature(held: &mut Held, field: CurvatureField) -> Vec<&'static str> {
     let flag = |flag: bool| f64::from(u8::from(flag));
-    held.set("defined", field.status.iter().map(|s| flag(s.is_defined())).collect());
-    held.set("boundary", field.boundary.iter().map(|&b| flag(b)).collect());
-    held.set("mean", field.mean);
-    held.set("gaussian", field.gaussian);
-    held.set("kappa1", field.kappa1);
-    held.set("kappa2", field.kappa2);
+    let scalars = [
+        ("defined", field.status.iter().map(|s| flag(s.is_defined())).collect()),
+        ("boundary", field.boundary.iter().map(|&b| flag(b)).collect()),
+        ("mean", field.mean),
+        ("gaussian", field.gaussian),
+        ("kappa1", field.kappa1),
+        ("kappa2", field.kappa2),
+    ];
+    let mut replaced = vec![];
+    replaced.extend(scalars.into_iter().filter_map(|(name, x)| held.set(name, x).then_some(name)));
     if let Some([first, second]) = field.directions {
-        held.set_vectors("direction1", first);
-        held.set_vectors("direction2", second);
+        let vectors = [("direction1", first), ("direction2", second)].into_iter();
+        replaced.extend(vectors.filter_map(|(name, x)| held.set_vectors(name, x).then_some(name)));
     }
+    replaced
 }
 
 /// Geodesic distance to the vertices `sources` of `mesh`, its field distance; −1 on components
@@ -93,8 +77,11 @@ pub(crate) fn distance(meshes: &mut Meshes, request: &Request<'_>) -> Result<Ans
     held.geodesics = Some((key, Arc::clone(&geodesics)));
     let found = geodesics.distance(&options.sources)?;
     let unreached = found.iter().filter(|d| d.is_none()).count();
-    held.set("distance", found.into_iter().map(|d| d.unwrap_or(-1.0)).collect());
-    Ok(json!({ "fields": names(&held.fields), "unreached": unreached }).into())
+    let distance = found.into_iter().map(|d| d.unwrap_or(-1.0)).collect();
+    let replaced = held.set("distance", distance).then_some("distance");
+    let mut value = held.listed(replaced.as_slice());
+    value["unreached"] = json!(unreached);
+    Ok(value.into())
 }
 
 /// The smallest eigenvalues of `mesh`; later requests for modes and reconstructions use them.
@@ -126,8 +113,8 @@ pub(crate) fn mode(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer>
         anyhow::bail!("there is no mode {number}: the spectrum has {}, from 0", modes.len());
     }
     let mode = modes.modes.column(number).to_vec();
-    held.set("mode", mode);
-    Ok(json!({ "fields": names(&held.fields) }).into())
+    let replaced = held.set("mode", mode).then_some("mode");
+    Ok(held.listed(replaced.as_slice()).into())
 }
 
 /// The modes for these options: those of the last request if they are enough.

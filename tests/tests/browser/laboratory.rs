@@ -25,6 +25,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("values_that_are_undefined_are_no_numbers", values::undefined),
         ("a_vertex_is_picked_with_all_its_values", values::picks),
         ("moved_vertices_have_no_values_of_earlier_positions", values::moves),
+        ("fields_of_a_file_stay_whatever_their_names", values::provenance),
         ("sliders_and_numbers_move_together_and_take_the_step_again", sliders),
         ("steps_are_undone_and_taken_again", history),
         ("copied_programs_give_the_same_bits", programs),

@@ -6,7 +6,7 @@ import {followTheme} from '../theme.mjs';
 import {link, linked, python, rust, shell, stem} from './programs.mjs';
 import {Renderer} from '../../../figure/viewer/renderer.mjs';
 import {Viewer} from '../../../figure/viewer/viewer.mjs';
-import {CURVATURE, labelled, leftOut, measured, reported} from './words.mjs';
+import {CURVATURE, labelled, leftOut, measured, replacing, reported} from './words.mjs';
 
 /**
  * Requests that only add fields to a mesh, and the field that they show; all others make a new one.
@@ -51,7 +51,7 @@ class Laboratory {
     this.forms = {};
     this.task = 'curvature';
     this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
-    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), {labelled});
+    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), {labelled: (field) => this.labelled(field)});
     this.build();
   }
 
@@ -214,18 +214,27 @@ class Laboratory {
     this.show();
   }
 
-  /** Takes fields of a mesh over; values that are not defined are no numbers here, and grey. */
-  async receive(step, {fields: names}) {
-    const {mesh, fields, asked} = step;
+  /**
+   * Takes fields of a mesh over. Computed values that are not defined are no numbers here, and
+   * grey; those of a file are as they are.
+   */
+  async receive(step, {fields: names, computed}) {
+    const {mesh, fields} = step;
+    step.computed = new Set(computed);
     for (const name of names) fields.set(name, await this.client.field(mesh, name));
     const replace = (name, isDefined) => {
-      if (fields.has(name)) fields.set(name, fields.get(name).map((x, v) => (isDefined(x, v) ? x : NaN)));
+      if (step.computed.has(name)) fields.set(name, fields.get(name).map((x, v) => (isDefined(x, v) ? x : NaN)));
     };
     const defined = fields.get('defined');
-    if (defined) for (const name of ['mean', 'gaussian', 'kappa1', 'kappa2']) replace(name, (x, v) => defined[v] !== 0);
+    for (const name of ['mean', 'gaussian', 'kappa1', 'kappa2']) replace(name, (x, v) => defined[v] !== 0);
     // Components without a source have the distance −1.
-    if (asked.has('distance')) replace('distance', (x) => x !== -1);
+    replace('distance', (x) => x !== -1);
     step.losses = await this.losses(step);
+  }
+
+  /** Name and unit of a field; those of files have their own names. */
+  labelled(name) {
+    return this.ends().some(({computed}) => computed.has(name)) ? labelled(name) : [name, ''];
   }
 
   /** The fields of a mesh that each format leaves out. */
@@ -270,7 +279,7 @@ class Laboratory {
     const {field} = this.part;
     const {state} = this.viewer;
     if (!names.includes(state.field)) state.field = null;
-    const option = (name) => element('option', {value: name}, labelled(name)[0]);
+    const option = (name) => element('option', {value: name}, this.labelled(name)[0]);
     field.replaceChildren(element('option', {value: ''}, 'nothing'), ...names.map(option));
     field.value = state.field ?? '';
     this.viewer.show(this.ends());
@@ -350,8 +359,12 @@ class Laboratory {
     return CURVATURE;
   }
 
-  /** Adds the fields of a request to the meshes that are shown and do not have them yet. */
+  /**
+   * Adds the fields of a request to the meshes that are shown and do not have them yet. Returns the
+   * names of fields of the file that they replace.
+   */
   async setFields(request) {
+    const replaced = new Set();
     for (const step of this.ends()) {
       const {verb} = request;
       const isNew = JSON.stringify(step.asked.get(verb)) !== JSON.stringify(request);
@@ -363,19 +376,23 @@ class Laboratory {
       if (verb === 'curvature') this.curvature = {request, took: performance.now() - start};
       if (verb === 'spectrum') step.values = arrays.values;
       else await this.receive(step, value);
+      for (const name of value.replaced ?? []) replaced.add(name);
       await this.client.keepOthers(step.mesh);
     }
+    return [...replaced];
   }
 
   async addFields(request) {
-    await this.setFields(request);
+    const replaced = await this.setFields(request);
     if (request.verb === 'spectrum') return this.mode(Math.min(5, this.last.values.length - 1));
-    return this.reveal(FIELDS[request.verb]);
+    this.reveal(FIELDS[request.verb]);
+    return this.say(replacing(replaced));
   }
 
   /** Shows a mode of the spectra. */
   async mode(number) {
     const words = [];
+    const replaced = [];
     if (!this.last.values) throw new Error('There are no modes of the result yet.');
     this.part.mode.max = this.last.values.length - 1;
     this.part.mode.value = number;
@@ -384,10 +401,11 @@ class Laboratory {
       const {value} = await this.call({verb: 'mode', mesh: step.mesh, mode: number});
       step.asked.set('mode', {verb: 'mode', method: '', values: {mode: String(number)}});
       await this.receive(step, {...value, fields: ['mode']});
+      replaced.push(...value.replaced);
       words.push(readable(step.values[number]));
     }
     this.reveal('mode');
-    this.say(`Mode ${number}: eigenvalue ${words.join(' and ')}.`);
+    this.say([`Mode ${number}: eigenvalue ${words.join(' and ')}.`, replacing(replaced)].filter(Boolean).join(' '));
   }
 
   reveal(field) {
@@ -409,7 +427,7 @@ class Laboratory {
     this.forms[this.task].take(vertex);
     const parts = this.ends().map(({title, arrays, fields}) => {
       const at = [0, 1, 2].map((k) => readable(arrays.positions[3 * vertex + k], 4)).join(', ');
-      const values = [...fields].map(([name, x]) => `${labelled(name)[0]} ${readable(x[vertex])}`);
+      const values = [...fields].map(([name, x]) => `${this.labelled(name)[0]} ${readable(x[vertex])}`);
       return `${title}: ${[`(${at})`, ...values].join('; ')}`;
     });
     this.say(`Vertex ${vertex}. ${parts.join('. ')}.`);
@@ -459,7 +477,7 @@ class Laboratory {
     part.redo.disabled = this.busy === true || !this.undone.length;
     part.copy.disabled = steps.length < 2 && !steps[0]?.asked.size;
     part.language.querySelector('[value=link]').disabled = steps[0]?.request.verb !== 'sample';
-    part.lost.textContent = leftOut(part.format.selectedOptions[0].text, this.last?.losses[part.format.value] ?? []);
+    part.lost.textContent = leftOut(part.format.selectedOptions[0].text, this.last?.losses[part.format.value] ?? [], (name) => this.labelled(name));
     part.add.hidden = Boolean(FIELDS[this.task]) || this.task === 'compare' || steps.length < 2;
     part.modes.hidden = this.task !== 'spectrum' || !this.last?.values;
     part.steps.replaceChildren(...steps.map(({title, asked}, i) => {

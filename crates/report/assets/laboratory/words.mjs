@@ -13,7 +13,7 @@ const LABELS = {
   source: ['vertex before the repair', ''],
 };
 
-/** The name and the unit of a field; those of files have their own names. */
+/** The name and the unit of a field that was computed. */
 export function labelled(name) {
   return LABELS[name] ?? [name, ''];
 }
@@ -31,9 +31,14 @@ const ROUNDED = {
 };
 
 /** The contents that a format leaves out or rounds, in a sentence; empty if it keeps all. */
-export function leftOut(format, names) {
+export function leftOut(format, names, labelled) {
   const fields = names.length ? `${format} leaves out: ${names.map((name) => labelled(name)[0]).join(', ')}.` : '';
   return [ROUNDED[format], fields].filter(Boolean).join(' ');
+}
+
+/** Fields of the file whose places computed ones have taken, in a sentence. */
+export function replacing(names) {
+  return names.length ? `Replaced, of the file: ${names.join(', ')}.` : '';
 }
 
 const KINDS = {

@@ -5,8 +5,8 @@ import {Worker} from 'node:worker_threads';
 import {gunzipSync} from 'node:zlib';
 import {Client} from '../../assets/client.mjs';
 
-// What a browser gives to the script of a worker. The next request with `breaks` panics while it shows its progress, and
-// one with `fills` finds no memory left.
+// What a browser gives to the script of a worker. The next request with `breaks` panics while it
+// shows its progress, and one with `fills` finds no memory left.
 const script = JSON.stringify(new URL('../../assets/worker.mjs', import.meta.url).href);
 const source = `
 const {parentPort} = require('node:worker_threads');
@@ -69,6 +69,7 @@ assert.ok(stages.size > 0);
 assert.deepEqual(await client.field(value.mesh, 'mean'), mean);
 const again = await client.call({verb: 'smooth', mesh: value.mesh});
 assert.deepEqual(again.arrays.positions, good.value.arrays.positions);
+assert.deepEqual(again.value.dropped, ['mean']);
 
 // So they do after a defect and where memory runs out, of which the page hears in words.
 const heavy = {verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}};
@@ -113,14 +114,17 @@ await client.call({verb: 'curvature', mesh: rich, method: 'jet3'});
 await client.keepOthers(rich);
 const stored = async () => {
   const {value: {stl}} = await client.call({verb: 'losses', mesh: rich});
-  return [stl, (await client.call({verb: 'others', mesh: rich})).arrays.bytes];
+  const {value, arrays: {bytes}} = await client.call({verb: 'others', mesh: rich});
+  return [stl, bytes, value.fields];
 };
-const [left, kept] = await stored();
+const [left, kept, list] = await stored();
+assert.deepEqual(list.filter(([, , computed]) => computed).map(([, name]) => name), ['direction1', 'direction2']);
 for (const name of ['height', 'normal', 'colours', 'part of faces', 'texture coordinates of corners']) assert.ok(left.includes(name), `${left}`);
 const gone = client.call(heavy);
 client.cancel();
 await assert.rejects(gone, (error) => error.isCancelled);
-const [leftThen, keptThen] = await stored();
+const [leftThen, keptThen, listThen] = await stored();
+assert.deepEqual(listThen, list);
 assert.deepEqual(keptThen, kept);
 assert.ok(leftThen.includes('height') && leftThen.includes('texture coordinates of corners'), `${leftThen}`);
 await client.drop(rich);

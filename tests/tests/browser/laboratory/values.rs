@@ -172,3 +172,39 @@ pub(super) fn moves(chrome: &mut Chrome, report: &Path) -> Result<()> {
     ensure!(found["left"].to_string().contains("mean"), "{found}");
     quiet(chrome)
 }
+
+/// Fields of a file are values of the file, whatever their names; computed ones are not.
+pub(super) fn provenance(chrome: &mut Chrome, report: &Path) -> Result<()> {
+    open(chrome, report, "")?;
+    let mesh = shapes::torus(1.0, 0.4, 40, 20);
+    let heights: Vec<f64> = mesh.positions().iter().map(|p| p[2]).collect();
+    let fields = ["mean", "distance", "defined"].into_iter();
+    let fields =
+        fields.fold(VertexFields::default(), |all, name| all.with_scalar(name, heights.clone()));
+    let found = chrome.run(&format!(
+        "(async () => {{
+           await drop('ring.ply', '{}');
+           const {{part}} = laboratory;
+           const names = () => [...laboratory.last.fields.keys()];
+           const label = () => part.field.querySelector('[value=mean]').textContent;
+           const all = [names(), label(), [...laboratory.last.fields.get('mean')]];
+           task('smooth');
+           all.push(await press('run'), names());
+           task('distance', {{sources: '0'}});
+           all.push(await press('run'), names());
+           task('noise');
+           all.push(await press('run'), names());
+           return all;
+         }})()",
+        ply(&mesh, &fields)?
+    ))?;
+    let own = json!(["mean", "distance", "defined"]);
+    ensure!(found[0] == own && found[1] == "mean", "{}, {}", found[0], found[1]);
+    ensure!(found[2] == json!(heights), "{}", found[2]);
+    let words = |k: usize| found[k].as_str().unwrap_or_default();
+    ensure!(!words(3).contains("Removed") && found[4] == own, "{}, {}", found[3], found[4]);
+    ensure!(words(5).contains("Replaced, of the file: distance."), "{}", found[5]);
+    ensure!(words(7).contains("Removed") && words(7).contains("geodesic distance"), "{}", found[7]);
+    ensure!(found[8] == json!(["mean", "defined"]), "{}", found[8]);
+    quiet(chrome)
+}
