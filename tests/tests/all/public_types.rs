@@ -226,6 +226,7 @@ all_shared!(
     fairing::figure::Axis,
     fairing::figure::AxisScale,
     fairing::figure::Background,
+    fairing::figure::bundle::BundleError,
     fairing::figure::Camera,
     fairing::figure::Center,
     fairing::figure::ColorBar,

@@ -4,12 +4,10 @@ mod strip;
 mod toolchain;
 
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use flate2::Compression;
-use flate2::write::GzEncoder;
+use zopfli::{Format, Options};
 
 use crate::programs::cargo;
 use toolchain::Toolchain;
@@ -93,9 +91,9 @@ fn build(root: &Path, folder: &Path) -> Result<Vec<u8>> {
     Ok(fs::read(folder.join(TARGET).join("web/fairing_web.wasm"))?)
 }
 
-/// The bytes in the format gzip, which browsers decompress by themselves.
+/// The bytes in the format gzip, which browsers decompress by themselves, as small as it gets.
 fn compressed(bytes: &[u8]) -> Result<Vec<u8>> {
-    let mut encoder = GzEncoder::new(vec![], Compression::best());
-    encoder.write_all(bytes)?;
-    Ok(encoder.finish()?)
+    let mut packed = vec![];
+    zopfli::compress(Options::default(), Format::Gzip, bytes, &mut packed)?;
+    Ok(packed)
 }
