@@ -191,7 +191,7 @@ def test_info_and_measures(sphere: pf.Mesh, patch: pf.Mesh) -> None:
     np.testing.assert_allclose(np.linalg.norm(sphere.face_normals, axis=1), 1)
     for weight in ("area", "angle", "sphere", "uniform"):
         assert (np.einsum("ij,ij->i", sphere.vertex_normals(weight), sphere.vertices) > 0.99).all()
-    with pytest.raises(pf.OptionError, match="must be one of area"):
+    with pytest.raises(pf.OptionError, match="there are area, angle"):
         sphere.vertex_normals("volume")  # type: ignore[arg-type]
 
 
@@ -261,7 +261,8 @@ def test_turned_faces_change_no_result(sphere: pf.Mesh) -> None:
     with pytest.warns(pf.FairingWarning, match="turn against"):
         clean = noisy.denoise()
     assert np.array_equal(clean.faces, mixed.faces)
-    assert np.allclose(clean.vertices, sphere.noise(0.2).denoise().vertices, atol=1e-9)
+    # The networks sum in single precision, in the order of the corners.
+    assert np.allclose(clean.vertices, sphere.noise(0.2).denoise().vertices, atol=1e-7)
 
 
 def test_one_sided_parts_are_warned_of() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import json
+import re
 import sys
 import time
 import webbrowser
@@ -161,7 +163,8 @@ def test_meshes_side_by_side_with_a_colour_bar(tmp_path: Path, bumpy: pf.Mesh) -
     assert ("field", "field") not in page.meshes[0]
     np.testing.assert_array_equal(values(page, 1, "field"), moved)
     html = (tmp_path / "view.html").read_text(encoding="utf-8")
-    assert "function colorBar(" in html and html.count('class="map"') == 2
+    maps = re.search(r'<script id="colour-maps" type="application/json">(.*?)</script>', html)
+    assert "function colorBar(" in html and maps is not None and len(json.loads(maps[1])) == 2
 
 
 @pytest.mark.slow
