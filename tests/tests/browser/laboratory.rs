@@ -229,6 +229,7 @@ fn history(chrome: &mut Chrome, report: &Path) -> Result<()> {
 }
 
 /// A program that the page copies, as it is.
+#[expect(clippy::needless_update, reason = "later versions may have more options")]
 mod copied {
     include!("copied.txt");
 
