@@ -108,6 +108,7 @@ pub fn page(exhibits: &[Exhibit<'_>], shown: Option<&str>, up: Up) -> Result<Str
         write_mesh(&mut html, exhibit, center)?;
     }
     let maps = color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]);
+    // Constants: the example above would fail.
     let script = bundle("figure/viewer/show.mjs", &VIEWER).expect("the modules fit together");
     let _ = write!(
         html,

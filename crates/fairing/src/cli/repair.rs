@@ -25,7 +25,8 @@ Examples:
 /// an earlier one dropped, neighbours made to agree with closed parts facing outwards, sheets that
 /// touch at an edge or a vertex separated, and vertices without a face dropped. What stays keeps
 /// its order and its properties; the property source is the vertex of the input, from 0, or -1 in
-/// the patch of a hole. A second run changes nothing.
+/// the patch of a hole. A second run changes nothing; with --tolerance, which is measured in mean
+/// edges of the input, it may merge farther where the first run removed short edges.
 ///
 /// The summary of --json lists the elements that each step changed, by their numbers in the input,
 /// from 0, and in vertex_map for each vertex of the input its vertex in the output, or null if it

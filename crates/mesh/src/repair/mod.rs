@@ -2,7 +2,8 @@
 //!
 //! A round runs the steps in the order of [`RepairStep::ALL`], all but the filling of holes; rounds
 //! follow until one changes nothing. Then holes are filled, and rounds follow again: the result is
-//! taken if less boundary is left. So a repaired mesh is left as it is by a second call.
+//! taken if less boundary is left. So a second call leaves a repaired mesh as it is, if it merges
+//! within the same distance.
 
 mod copies;
 mod holes;
@@ -308,8 +309,8 @@ pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, Repai
 /// Mends a mesh as [`repair`] does, with patches of holes placed by a function.
 ///
 /// `place` takes a mesh and the vertices inside patches, and returns the mesh with these moved, or
-/// `None` to leave them. Rounds of the other steps follow, so that a second call changes nothing;
-/// vertices return to the flat patch if a round would open the hole again.
+/// `None` to leave them. Rounds of the other steps follow, so that a second call within the same
+/// distance changes nothing; vertices return to the flat patch if a round would open the hole again.
 ///
 /// `repair_fair` of the smoothing crate calls this with the smoothest patch.
 ///
