@@ -310,7 +310,8 @@ pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, Repai
 ///
 /// `place` takes a mesh and the vertices inside patches, and returns the mesh with these moved, or
 /// `None` to leave them. Rounds of the other steps follow, so that a second call within the same
-/// distance changes nothing; vertices return to the flat patch if a round would open the hole again.
+/// distance changes nothing; vertices return to the flat patch if a round would open the hole
+/// again.
 ///
 /// `repair_fair` of the smoothing crate calls this with the smoothest patch.
 ///
