@@ -324,7 +324,9 @@ mod tests {
         ]}]});
         let page = compared(&results).unwrap();
         assert!(
-            page.contains("| H and K | sphere 160k | 0.500 | 1.00 b | 0.50 | 1.00 | 2.00 a | 0.50 |"),
+            page.contains(
+                "| H and K | sphere 160k | 0.500 | 1.00 b | 0.50 | 1.00 | 2.00 a | 0.50 |"
+            ),
             "{page}"
         );
     }
