@@ -92,7 +92,8 @@ class Laboratory {
       part.tasks.append(button);
     }
     for (const {name, extensions: [value]} of tables.formats) part.format.append(element('option', {value, selected: value === 'ply'}, name));
-    part.readable.textContent = tables.formats.map(({name}) => name).join(', ').replace(/, ([^,]*)$/, ' or $1');
+    const formats = tables.formats.map(({name}) => name).join(', ').replace(/, ([^,]*)$/, ' or $1');
+    part.readable.textContent = ` (${formats})`;
     part.file.accept = [...tables.formats.flatMap(({extensions}) => extensions), 'gz'].map((end) => `.${end}`).join();
     part.format.addEventListener('input', () => this.settle());
     part.run.addEventListener('click', () => this.run(false));
