@@ -542,14 +542,15 @@ fn memory(chrome: &mut Chrome, report: &Path) -> Result<()> {
       };";
     chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
     open(chrome, report, "")?;
-    let ball = ply(&shapes::icosphere(4), &VertexFields::default())?;
-    chrome.run(&format!("window.ball = '{ball}'; 0"))?;
+    let [small, large] =
+        [4, 5].map(|level| ply(&shapes::icosphere(level), &VertexFields::default()));
+    chrome.run(&format!("window.files = ['{}', '{}']; 0", small?, large?))?;
     let mut used = vec![];
     for round in 0..5 {
         let found = chrome.run(
             "(async () => {
                for (let i = 0; i < 10; i++) {
-                 await drop('ball.ply', ball);
+                 await drop('ball.ply', files[i % 2]);
                  task('curvature');
                  await press('run');
                  task('smooth');
@@ -565,7 +566,7 @@ fn memory(chrome: &mut Chrome, report: &Path) -> Result<()> {
         used.push([found[1].as_f64().context("no size")?, page[0] + page[1]]);
     }
     let [[module, page], [module_then, page_then]] = [used[1], used[4]];
-    // Thirty meshes of a third of a megabyte came and went, with their fields and results.
+    // Thirty meshes of half a megabyte came and went, with their fields and results.
     ensure!(module_then - module < 2e6, "the module grows: {used:?}");
     ensure!(page_then - page < 5e6, "the page grows: {used:?}");
     quiet(chrome)

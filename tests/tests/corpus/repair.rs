@@ -13,31 +13,18 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![("a_second_run_changes_nothing", is_idempotent), ("the_default_keeps_the_surface", keeps)]
 }
 
-/// Faces above which a mesh is large.
-const LARGE: usize = 20_000;
-
-/// Every step alone and with others; on large meshes only the default and all steps together.
-fn options(mesh: &TriMesh) -> Vec<RepairOptions> {
+/// Every step alone and with others.
+fn options() -> Vec<RepairOptions> {
     let all = RepairOptions::DEFAULT;
-    let together = RepairOptions {
-        holes: 100,
-        smallest_component: 50,
-        thin: 0.01,
-        tolerance: 0.05,
-        ..all.clone()
-    };
-    if mesh.face_count() > LARGE {
-        return vec![all, together];
-    }
     vec![
-        together,
+        all.clone(),
         RepairOptions { thin: Diagnosis::SLIVER, ..all.clone() },
         RepairOptions { tolerance: 0.01, ..all.clone() },
         RepairOptions { tolerance: 0.3, thin: 0.05, ..all.clone() },
         RepairOptions { holes: 60, tolerance: 0.01, ..all.clone() },
         RepairOptions { holes: 30, orient: false, split: false, ..all.clone() },
+        RepairOptions { holes: 100, smallest_component: 50, thin: 0.01, tolerance: 0.05, ..all },
         RepairOptions { holes: 60, ..RepairOptions::NONE },
-        all,
     ]
 }
 
@@ -58,7 +45,7 @@ fn repaired(mesh: &TriMesh, options: &RepairOptions) -> Repaired {
 
 fn is_idempotent(folder: &Path) -> Result<(), Failed> {
     each(folder, |mesh| {
-        options(mesh).into_iter().find_map(|options| {
+        options().into_iter().find_map(|options| {
             let once = repaired(mesh, &options);
             // Within the distance of the first run, which is a part of the mean edge of its input.
             let ratio =
