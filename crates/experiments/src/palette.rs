@@ -3,7 +3,8 @@
 //!
 //! Colours are chosen by splitting boxes of colours where they vary most and
 //! moving each choice to the mean of the colours that it stands for. What is
-//! left is spread over neighbouring pixels (Floyd and Steinberg 1976).
+//! left is spread over neighbouring pixels (Floyd and Steinberg 1976). Paper, ink
+//! and flat areas stay exact, which quantisers for photographs do not promise.
 
 use anyhow::Result;
 use fairing_figure::Image;

@@ -178,7 +178,8 @@ const COMPARED: [(&str, &str); 19] = [
 ];
 
 /// Ratios to the fastest of the others, from the results of a comparison: a list `results` of tasks
-/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`.
+/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`; optionally a
+/// `note` on how it was made.
 fn compared(results: &Value) -> Result<String> {
     let text = |value: &Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
     let mut page = format!(
@@ -214,6 +215,9 @@ fn compared(results: &Value) -> Result<String> {
             cells.push(format!("{:.2}", seconds / best.0));
         }
         let _ = writeln!(page, "| {} |", cells.join(" | "));
+    }
+    if let Some(note) = results["note"].as_str() {
+        let _ = writeln!(page, "\n{note}");
     }
     Ok(page)
 }
@@ -315,7 +319,7 @@ mod tests {
 
     #[test]
     fn a_comparison_names_the_fastest_that_agrees() {
-        let results = serde_json::json!({"cpu": "P", "when": "today", "results": [{
+        let results = serde_json::json!({"cpu": "P", "when": "today", "note": "Alone.", "results": [{
         "task": "curvature", "mesh": "sphere_160k", "rows": [
             {"name": "ours", "ours": true, "min": 0.5, "cold_median": 1.0},
             {"name": "wrong", "min": 0.1, "cold_median": 0.1, "same": true, "agrees": "differs 1e-1"},
@@ -329,5 +333,6 @@ mod tests {
             ),
             "{page}"
         );
+        assert!(page.ends_with("\n\nAlone.\n"), "{page}");
     }
 }
