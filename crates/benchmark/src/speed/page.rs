@@ -178,8 +178,8 @@ const COMPARED: [(&str, &str); 19] = [
 ];
 
 /// Ratios to the fastest of the others, from the results of a comparison: a list `results` of tasks
-/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`; and a `note`
-/// on how it was made, if there is one.
+/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`; and a
+/// `note` on how it was made, if there is one.
 fn compared(results: &Value) -> Result<String> {
     let text = |value: &Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
     let mut page = format!(
