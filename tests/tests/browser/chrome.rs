@@ -105,6 +105,8 @@ impl Chrome {
         for domain in ["Page", "Runtime", "Log", "Network"] {
             self.call(&format!("{domain}.enable"), json!({}))?;
         }
+        // Keys reach a tab only while it has the focus.
+        self.call("Emulation.setFocusEmulationEnabled", json!({"enabled": true}))?;
         Ok(())
     }
 
