@@ -8,6 +8,7 @@
 
 pub mod mathml;
 
+mod base85;
 mod bibliography;
 mod layout;
 mod markdown;

@@ -1,9 +1,9 @@
 import {Client} from './client.mjs';
 
 /**
- * The bytes of a text of digits to the base 85, as `crates/report/src/page/base85.rs` writes it.
+ * The bytes of a text of digits to the base 85, as `crates/report/src/base85.rs` writes it.
  */
-function bytesOfDigits(text) {
+export function bytesOfDigits(text) {
   const bytes = new Uint8Array(Math.floor((4 * text.length) / 5));
   for (let at = 0, i = 0; at < bytes.length; at += 4, i += 5) {
     let number = 0;

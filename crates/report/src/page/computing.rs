@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 
-use super::base85;
 use super::scripts::script;
+use crate::base85;
 
 /// The elements of a page that hold a gzip-compressed module and the script of its worker.
 pub(super) fn elements(module: &[u8]) -> Result<String> {

@@ -7,7 +7,6 @@
 //! The committed module of `crates/web` computes in the page, so that a machine with nothing but
 //! cargo makes the same report.
 
-mod base85;
 mod computing;
 mod figures;
 mod html;

@@ -8,9 +8,10 @@
 use std::io::Write as _;
 
 use anyhow::Result;
-use base64::Engine as _;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+
+use crate::base85;
 
 /// Arrays to be compressed.
 #[derive(Debug, Default)]
@@ -74,7 +75,7 @@ impl Pack {
     pub(super) fn finish(self) -> Result<String> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(&self.bytes)?;
-        Ok(base64::engine::general_purpose::STANDARD.encode(encoder.finish()?))
+        Ok(base85::encode(&encoder.finish()?))
     }
 }
 

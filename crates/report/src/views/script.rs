@@ -9,7 +9,7 @@ use serde_json::Value;
 pub(crate) struct Packed {
     /// Description of the arrays.
     pub(crate) about: Value,
-    /// The arrays, compressed, in base64.
+    /// The arrays, compressed, in digits to the base 85.
     pub(crate) data: String,
 }
 

@@ -1,11 +1,11 @@
 //! Bytes as text of 85 signs, five for four bytes: a sixteenth shorter than base64.
 
-/// The text of bytes, which `clientOfPage` of `crates/web/assets/page.mjs` reads.
+/// The text of bytes, which `bytesOfDigits` of `crates/web/assets/page.mjs` reads.
 ///
 /// Four bytes are a number, the first byte the highest, and five digits to the base 85. The digit d
 /// is the character of code 40 + d, except that `}` stands for `<`, which could end a script. Of
 /// the last n < 4 bytes there are n + 1 digits.
-pub(super) fn encode(bytes: &[u8]) -> String {
+pub(crate) fn encode(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(4) * 5);
     for group in bytes.chunks(4) {
         let mut four = [0; 4];
