@@ -1,7 +1,7 @@
 //! Errors of denoisers.
 
 use fairing_mesh::BuildError;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_sparse::{CgOptions, CgSolution};
 
 /// The reason for which a mesh cannot be denoised.
@@ -10,7 +10,7 @@ use fairing_sparse::{CgOptions, CgSolution};
 pub enum DenoiseError {
     /// An option is outside the range where the method is defined.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// A linear system was not solved to its tolerance.
     #[error(
         "the linear system of step {step} kept a relative residual of {residual:e} after {iterations} iterations"

@@ -1,7 +1,7 @@
 //! Meshes with fixed vertices.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 
 /// A mesh, and the vertices of it that a denoiser does not move.
 ///
@@ -36,11 +36,11 @@ impl<'a> Masked<'a> {
     ///
     /// # Errors
     ///
-    /// [`OptionError`] if there is not one flag per vertex.
-    pub fn new(mesh: &'a TriMesh, fixed: &'a [bool]) -> Result<Self, OptionError> {
+    /// [`ParameterError`] if there is not one flag per vertex.
+    pub fn new(mesh: &'a TriMesh, fixed: &'a [bool]) -> Result<Self, ParameterError> {
         let one_each = fixed.len() == mesh.vertex_count();
         let (count, expected) = (fixed.len() as f64, "the number of vertices");
-        OptionError::require(one_each, "number of flags of fixed vertices", count, expected)?;
+        ParameterError::require(one_each, "number of flags of fixed vertices", count, expected)?;
         Ok(Self { mesh, fixed })
     }
 

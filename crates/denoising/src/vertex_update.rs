@@ -1,7 +1,7 @@
 //! Moving vertices until the faces have given normals.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -41,7 +41,7 @@ pub fn update_vertices<'a>(
     let input = mesh.into();
     let one_each = normals.len() == input.mesh().face_count();
     let (count, expected) = (normals.len() as f64, "the number of faces");
-    OptionError::require(one_each, "number of normals", count, expected)?;
+    ParameterError::require(one_each, "number of normals", count, expected)?;
     let normals: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
     follow_normals(input, &normals, steps)
 }

@@ -2,7 +2,7 @@
 
 use fairing_mesh::BuildError;
 use fairing_operators::OperatorError;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 
 /// The error of a noise, distance or score that is not defined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -10,7 +10,7 @@ use fairing_parameters::OptionError;
 pub enum EvaluationError {
     /// An option is out of its range, or no distance or angle can meet it.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// The moved vertices are not a valid mesh.
     #[error("the positions do not form a valid mesh")]
     Positions(#[source] BuildError),

@@ -1,7 +1,7 @@
 //! Sharp edges, found and missed.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use glam::DVec3;
 
 use crate::EvaluationError;
@@ -57,7 +57,7 @@ pub fn feature_edges(
 ) -> Result<FeatureEdges, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
     let between = degrees > 0.0 && degrees < 180.0;
-    OptionError::require(between, "feature angle", degrees, "above 0 and below 180 degrees")?;
+    ParameterError::require(between, "feature angle", degrees, "above 0 and below 180 degrees")?;
     let topology = mesh.topology();
     let mut edges = FeatureEdges { shared: 0, found: 0, expected: 0 };
     for e in 0..topology.edges().len() as u32 {

@@ -1,7 +1,7 @@
 //! The Hausdorff distance between surfaces, within a tolerance.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -57,7 +57,7 @@ pub struct Hausdorff {
 /// [`EvaluationError::NoFaces`], [`EvaluationError::Option`] unless the
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
-    OptionError::require_positive("tolerance", tolerance)?;
+    ParameterError::require_positive("tolerance", tolerance)?;
     let (own, other) = (tree(a, "mesh")?, tree(b, "reference")?);
     Ok(between(a, &own, b, &other, tolerance))
 }

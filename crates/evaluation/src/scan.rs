@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fairing_mesh::{EXTENTS, TriMesh};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -91,7 +91,7 @@ pub struct Scan {
 pub fn scan(mesh: &TriMesh, options: &ScanOptions) -> Result<Scan, EvaluationError> {
     for pixels in options.size {
         let fits = PIXELS.contains(&pixels);
-        OptionError::require(fits, "pixels of a side", pixels.into(), "between 2 and 2048")?;
+        ParameterError::require(fits, "pixels of a side", pixels.into(), "between 2 and 2048")?;
     }
     fairing_parameters::Range::from(1.0..=1000.0).check("jump of depth in pixels", options.jump)?;
     if mesh.face_count() == 0 {
@@ -127,7 +127,7 @@ impl Camera {
         let target = options.look_at.map_or(centre, DVec3::from);
         for x in target.to_array() {
             let near = x.abs() <= 10.0 * EXTENTS.end();
-            OptionError::require(near, "coordinate to look at", x, "between -1e31 and 1e31")?;
+            ParameterError::require(near, "coordinate to look at", x, "between -1e31 and 1e31")?;
         }
         let [columns, rows] = options.size.map(|pixels| pixels as usize);
         let mut camera = Self {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 
 use crate::distance::{self, tree};
 use crate::hausdorff;
@@ -117,7 +117,7 @@ impl Scores {
         reference: &TriMesh,
         options: &ScoreOptions,
     ) -> Result<Self, EvaluationError> {
-        OptionError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
+        ParameterError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
         let diagonal = reference.diagonal();
         // A reference of one point has no diagonal to take a fraction of.

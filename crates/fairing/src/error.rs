@@ -10,7 +10,7 @@ use fairing_figure::FigureError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_mesh::{BuildError, RepairError};
 use fairing_operators::OperatorError;
-use fairing_parameters::{OptionError, ParameterError, UnknownName};
+use fairing_parameters::ParameterError;
 use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_sparse::SparseError;
 use fairing_spectral::SpectralError;
@@ -66,15 +66,9 @@ pub enum Error {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// An option is out of its range.
+    /// A name is unknown, or a value does not fit a parameter.
     #[error(transparent)]
-    Option(#[from] OptionError),
-    /// A value does not fit a parameter of a method.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    /// There is no choice of this name.
-    #[error(transparent)]
-    UnknownName(#[from] UnknownName),
+    Option(#[from] ParameterError),
     /// Arrays do not make a matrix, or a linear system or an eigenproblem cannot be solved.
     #[error(transparent)]
     Sparse(#[from] SparseError),
@@ -124,7 +118,7 @@ impl Error {
                 | SparseError::NotFinite { .. }
                 | SparseError::TooManyEntries { .. },
             ) => ErrorKind::Input,
-            Self::Option(_) | Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
+            Self::Option(_) => ErrorKind::Option,
             Self::Read(error) => match error.problem {
                 ReadProblem::Io(_) => ErrorKind::Io,
                 _ => ErrorKind::Input,

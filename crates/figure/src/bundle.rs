@@ -2,50 +2,10 @@
 
 use std::collections::HashMap;
 
+use crate::error::FigureError;
+
 /// A module: its path, with `/` between folders, and its text.
 pub type Module<'a> = (&'a str, &'a str);
-
-/// The reason why modules cannot be bundled.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BundleError {
-    /// A module imports a path that is not among the modules.
-    #[error("{module} imports {path}, which is not in the bundle")]
-    Unknown {
-        /// The module that imports.
-        module: String,
-        /// The path, resolved.
-        path: String,
-    },
-    /// A module imports a name that the other one does not export.
-    #[error("{module} imports {name} from {from}, which does not export it")]
-    NotExported {
-        /// The module that imports.
-        module: String,
-        /// The name.
-        name: String,
-        /// The module imported from.
-        from: String,
-    },
-    /// Modules import one another in a circle.
-    #[error("modules import one another in a circle: {}", .0.join(", "))]
-    Circle(
-        /// The modules, the first one again at the end.
-        Vec<String>,
-    ),
-    /// A line imports or exports in a form that is not read.
-    #[error(
-        "{module}:{line}: {text}: only `import {{name}} from 'path';` and `export` before a const, function or class are read"
-    )]
-    Form {
-        /// The module.
-        module: String,
-        /// The line, from 1.
-        line: usize,
-        /// Its text.
-        text: String,
-    },
-}
 
 /// The module `entry` and all that it imports, as one script.
 ///
@@ -59,9 +19,9 @@ pub enum BundleError {
 ///
 /// # Errors
 ///
-/// A [`BundleError`] for a path that is not among `modules`, a name that is not exported, a circle,
+/// [`FigureError::Script`] for a path that is not among `modules`, a name that is not exported, a circle,
 /// and another form of import or export.
-pub fn bundle(entry: &str, modules: &[Module<'_>]) -> Result<String, BundleError> {
+pub fn bundle(entry: &str, modules: &[Module<'_>]) -> Result<String, FigureError> {
     let mut bundle =
         Bundle { modules, exports: HashMap::new(), open: vec![], script: String::new() };
     bundle.take("the page", entry)?;
@@ -85,24 +45,28 @@ struct Bundle<'a> {
 
 impl Bundle<'_> {
     /// Writes a module after those that it imports, unless it is there already.
-    fn take(&mut self, importer: &str, path: &str) -> Result<(), BundleError> {
+    fn take(&mut self, importer: &str, path: &str) -> Result<(), FigureError> {
         if self.exports.contains_key(path) {
             return Ok(());
         }
         if let Some(first) = self.open.iter().position(|open| open == path) {
             let circle = [&self.open[first..], &[path.to_owned()]].concat();
-            return Err(BundleError::Circle(circle));
+            let circle = circle.join(", ");
+            let problem = format!("modules import one another in a circle: {circle}");
+            return Err(FigureError::Script(problem));
         }
         let Some((_, text)) = self.modules.iter().find(|(known, _)| *known == path) else {
-            let (module, path) = (importer.to_owned(), path.to_owned());
-            return Err(BundleError::Unknown { module, path });
+            let problem = format!("{importer} imports {path}, which is not in the bundle");
+            return Err(FigureError::Script(problem));
         };
         self.open.push(path.to_owned());
         let (mut body, mut exports) = (String::new(), vec![]);
         for (number, line) in (1..).zip(text.lines()) {
             let form = || {
-                let (module, text) = (path.to_owned(), line.to_owned());
-                BundleError::Form { module, line: number, text }
+                FigureError::Script(format!(
+                    "{path}:{number}: {line}: only `import {{name}} from 'path';` and `export` \
+                     before a const, function or class are read"
+                ))
             };
             if let Some(rest) = after(line, "import") {
                 let (names, from) = imported(rest).ok_or_else(form)?;
@@ -127,14 +91,12 @@ impl Bundle<'_> {
     }
 
     /// The line that binds imported names.
-    fn bound(&self, path: &str, names: &[&str], from: &str) -> Result<String, BundleError> {
+    fn bound(&self, path: &str, names: &[&str], from: &str) -> Result<String, FigureError> {
         let (number, exports) = &self.exports[from];
         match names.iter().find(|name| !exports.iter().any(|export| export == *name)) {
-            Some(name) => Err(BundleError::NotExported {
-                module: path.to_owned(),
-                name: (*name).to_owned(),
-                from: from.to_owned(),
-            }),
+            Some(name) => Err(FigureError::Script(format!(
+                "{path} imports {name} from {from}, which does not export it"
+            ))),
             None => Ok(format!("const {{{}}} = ${number};", names.join(", "))),
         }
     }

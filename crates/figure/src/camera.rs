@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{UnknownName, by_name};
+use fairing_parameters::{ParameterError, by_name};
 use glam::DVec3;
 
 use crate::error::FigureError;
@@ -102,9 +102,9 @@ impl fmt::Display for Viewpoint {
 }
 
 impl FromStr for Viewpoint {
-    type Err = UnknownName;
+    type Err = ParameterError;
 
-    fn from_str(text: &str) -> Result<Self, UnknownName> {
+    fn from_str(text: &str) -> Result<Self, ParameterError> {
         let angle = |text: &str| text.trim().parse().ok().filter(|a: &f64| a.is_finite());
         let angles = text.split_once(',').and_then(|(a, e)| Some((angle(a)?, angle(e)?)));
         match angles {

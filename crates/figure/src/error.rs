@@ -101,6 +101,9 @@ pub enum FigureError {
         /// The number of bars.
         found: usize,
     },
+    /// Modules of a page do not fit together.
+    #[error("{0}")]
+    Script(String),
     /// The PNG encoder refused.
     #[error("the picture cannot be written as PNG: {0}")]
     Png(String),

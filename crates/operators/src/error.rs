@@ -1,7 +1,7 @@
 //! Errors of assembling and applying operators.
 
 use crate::kind::{LaplacianKind, MassKind};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 
 /// The least height of a face over its longest edge, relative to that edge, at
 /// which its cotangents are used.
@@ -76,7 +76,7 @@ pub enum OperatorError {
     },
     /// An option is out of its range.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// More entries than 32-bit indices can number.
     #[error("the matrix would have up to {entries} entries, too many for 32-bit indices")]
     TooLarge {

@@ -1,37 +1,32 @@
-//! Errors of names and values.
+//! The error of names and values.
 
-use crate::range::OptionError;
+use std::borrow::Cow;
 
-/// An unknown name of a choice.
+/// A name that is unknown, or values that do not fit.
 ///
-/// The error of `FromStr` of all types of named choices: colour maps, noise,
-/// estimators, Laplacians, and so on. Case does not matter.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {name:?}; there are {}", known.join(", "))]
-#[non_exhaustive]
-pub struct UnknownName {
-    /// The kind of choice, such as `"colour map"`.
-    pub what: &'static str,
-    /// The name that was given.
-    pub name: String,
-    /// The known names.
-    pub known: Vec<&'static str>,
-}
-
-impl UnknownName {
-    /// The error for a name that is not among the known ones.
-    pub fn new(what: &'static str, name: &str, known: Vec<&'static str>) -> Self {
-        Self { what, name: name.to_owned(), known }
-    }
-}
-
-/// Values that do not fit the parameters of an algorithm.
+/// The error of `FromStr` of all types of named choices: colour maps, noise, estimators,
+/// Laplacians, and so on. The errors of all crates hold it in a variant `Option`, so that a program
+/// can show it next to the option that it names.
+///
+/// ```
+/// use fairing_parameters::ParameterError;
+///
+/// let error = ParameterError::require_positive("radius", -2.0).unwrap_err();
+/// assert_eq!(error.to_string(), "radius is -2, but must be positive and finite");
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterError {
-    /// No algorithm has this name.
-    #[error(transparent)]
-    UnknownName(#[from] UnknownName),
+    /// No choice has this name. Case does not matter.
+    #[error("there is no {what} {name:?}; there are {}", known.join(", "))]
+    UnknownName {
+        /// The kind of choice, such as `"colour map"`.
+        what: &'static str,
+        /// The name that was given.
+        name: String,
+        /// The known names.
+        known: Vec<&'static str>,
+    },
     /// The algorithm has no parameter of this name.
     #[error("{algorithm} has no parameter {name:?}; it has {}", known.join(", "))]
     Unknown {
@@ -53,8 +48,15 @@ pub enum ParameterError {
         expected: String,
     },
     /// A number is outside its range.
-    #[error(transparent)]
-    Option(#[from] OptionError),
+    #[error("{option} is {value}, but must be {expected}")]
+    Range {
+        /// The name of the option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// The accepted values, in words that follow "must be".
+        expected: Cow<'static, str>,
+    },
     /// Two parameters that exclude each other, or one parameter twice.
     #[error("give {first} or {second}, not both")]
     Excluded {
@@ -76,6 +78,30 @@ pub enum ParameterError {
 }
 
 impl ParameterError {
+    /// The error for a name that is not among the known ones.
+    pub fn unknown_name(what: &'static str, name: &str, known: Vec<&'static str>) -> Self {
+        Self::UnknownName { what, name: name.to_owned(), known }
+    }
+
+    /// The error of an option with this value, which must be `expected`.
+    pub fn range(option: &'static str, value: f64, expected: impl Into<Cow<'static, str>>) -> Self {
+        Self::Range { option, value, expected: expected.into() }
+    }
+
+    /// Refuses the value unless the condition holds.
+    ///
+    /// # Errors
+    ///
+    /// [`Range`](Self::Range) if `holds` is false.
+    pub fn require(
+        holds: bool,
+        option: &'static str,
+        value: f64,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(Self::range(option, value, expected)) }
+    }
+
     pub(crate) fn new(parameter: &'static str, value: String, expected: impl Into<String>) -> Self {
         Self::Value { parameter, value, expected: expected.into() }
     }

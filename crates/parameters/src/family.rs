@@ -49,12 +49,12 @@ macro_rules! algorithms {
             ///
             /// # Errors
             ///
-            /// `UnknownName` with the names that exist.
-            pub fn by_name(name: &str) -> Result<Self, $crate::UnknownName> {
+            /// `ParameterError` with the names that exist.
+            pub fn by_name(name: &str) -> Result<Self, $crate::ParameterError> {
                 let found = Self::all().into_iter().find(|a| a.name().eq_ignore_ascii_case(name));
                 found.ok_or_else(|| {
                     let known = Self::all().iter().map(Self::name).collect();
-                    $crate::UnknownName::new($what, name, known)
+                    $crate::ParameterError::unknown_name($what, name, known)
                 })
             }
 
@@ -122,9 +122,9 @@ macro_rules! algorithms {
         }
 
         impl std::str::FromStr for $Family {
-            type Err = $crate::UnknownName;
+            type Err = $crate::ParameterError;
 
-            fn from_str(name: &str) -> Result<Self, $crate::UnknownName> {
+            fn from_str(name: &str) -> Result<Self, $crate::ParameterError> {
                 Self::by_name(name)
             }
         }

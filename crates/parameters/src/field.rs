@@ -2,7 +2,7 @@
 
 use crate::algorithm::{Kind, Parameter};
 use crate::error::ParameterError;
-use crate::range::{OptionError, Range};
+use crate::range::Range;
 use crate::value::Value;
 use crate::values::Values;
 
@@ -26,8 +26,8 @@ pub trait Field {
     ///
     /// # Errors
     ///
-    /// [`OptionError`] with the name of the field.
-    fn check(&self, _name: &'static str, _range: Range) -> Result<(), OptionError> {
+    /// [`ParameterError`] with the name of the field.
+    fn check(&self, _name: &'static str, _range: Range) -> Result<(), ParameterError> {
         Ok(())
     }
 }
@@ -42,7 +42,7 @@ impl Field for f64 {
         Ok(())
     }
 
-    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+    fn check(&self, name: &'static str, range: Range) -> Result<(), ParameterError> {
         range.check(name, *self)
     }
 }
@@ -57,7 +57,7 @@ impl Field for usize {
         Ok(())
     }
 
-    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+    fn check(&self, name: &'static str, range: Range) -> Result<(), ParameterError> {
         range.check(name, *self as f64)
     }
 }
@@ -74,7 +74,7 @@ impl Field for u32 {
         Ok(())
     }
 
-    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+    fn check(&self, name: &'static str, range: Range) -> Result<(), ParameterError> {
         range.check(name, f64::from(*self))
     }
 }
@@ -110,7 +110,7 @@ impl<T: Field + Default> Field for Option<T> {
         }
     }
 
-    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+    fn check(&self, name: &'static str, range: Range) -> Result<(), ParameterError> {
         self.as_ref().map_or(Ok(()), |value| value.check(name, range))
     }
 }

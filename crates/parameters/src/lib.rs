@@ -7,8 +7,8 @@
 //! follow defaults, range checks, options by name, and the tables from which programs make flags,
 //! help and documentation ([`Algorithm`]).
 //!
-//! Choices with names ([`choices!`]) and the error of an option outside its range
-//! ([`OptionError`]) are those of all crates.
+//! Choices with names ([`choices!`]) and the error of a name or a value
+//! ([`ParameterError`]) are those of all crates.
 
 mod algorithm;
 mod error;
@@ -21,7 +21,7 @@ mod value;
 mod values;
 
 pub use algorithm::{Algorithm, Choice, Kind, Parameter};
-pub use error::{ParameterError, UnknownName};
+pub use error::ParameterError;
 pub use family::Family;
 pub use field::Field;
 #[doc(hidden)]
@@ -29,6 +29,6 @@ pub use named::by_name;
 pub use options::{Entry, Options};
 #[doc(hidden)]
 pub use options::{hyphenated, sentence};
-pub use range::{OptionError, Range};
+pub use range::Range;
 pub use value::{Value, WeightedVertex};
 pub use values::Values;

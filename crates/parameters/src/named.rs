@@ -1,6 +1,6 @@
 //! Choices that have names.
 
-use crate::error::UnknownName;
+use crate::error::ParameterError;
 
 /// The choice of that name.
 #[doc(hidden)]
@@ -9,9 +9,9 @@ pub fn by_name<T: Copy>(
     all: &[T],
     name_of: impl Fn(&T) -> &'static str,
     name: &str,
-) -> Result<T, UnknownName> {
+) -> Result<T, ParameterError> {
     let found = all.iter().find(|choice| name_of(choice).eq_ignore_ascii_case(name));
-    found.copied().ok_or_else(|| UnknownName {
+    found.copied().ok_or_else(|| ParameterError::UnknownName {
         what,
         name: name.to_owned(),
         known: all.iter().map(name_of).collect(),
@@ -47,9 +47,9 @@ macro_rules! named {
         }
 
         impl ::std::str::FromStr for $type {
-            type Err = $crate::UnknownName;
+            type Err = $crate::ParameterError;
 
-            fn from_str(name: &str) -> ::std::result::Result<Self, $crate::UnknownName> {
+            fn from_str(name: &str) -> ::std::result::Result<Self, $crate::ParameterError> {
                 $crate::by_name($what, &Self::ALL, |choice| choice.name(), name)
             }
         }

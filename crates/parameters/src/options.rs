@@ -2,7 +2,6 @@
 
 use crate::algorithm::{Algorithm, Parameter};
 use crate::error::ParameterError;
-use crate::range::OptionError;
 use crate::value::Value;
 use crate::values::Values;
 
@@ -26,8 +25,8 @@ pub trait Options: Sized + 'static {
     ///
     /// # Errors
     ///
-    /// [`OptionError`] for the first such field.
-    fn check(&self) -> Result<(), OptionError>;
+    /// [`ParameterError`] for the first such field.
+    fn check(&self) -> Result<(), ParameterError>;
 
     /// The entry of the name that these options have.
     fn entry(&self) -> Entry<Self>;
@@ -201,7 +200,7 @@ macro_rules! options {
                 Ok(())
             }
 
-            fn check(&self) -> Result<(), $crate::OptionError> {
+            fn check(&self) -> Result<(), $crate::ParameterError> {
                 $(
                     let range = $crate::__or!($crate::Range::FINITE $(, $crate::Range::from($range))?);
                     $crate::Field::check(&self.$field, $crate::__name!($field $(, $name)?), range)?;

@@ -1,9 +1,10 @@
-//! Ranges of numbers, and the error of a number outside its range.
+//! Ranges of numbers.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::ops::Bound::{self, Excluded, Included, Unbounded};
 use std::ops::{RangeBounds, RangeInclusive};
+
+use crate::error::ParameterError;
 
 /// A range of finite numbers.
 ///
@@ -70,11 +71,11 @@ impl Range {
     ///
     /// # Errors
     ///
-    /// [`OptionError`] with the name of the option, the number and the range.
-    pub fn check(&self, option: &'static str, value: f64) -> Result<(), OptionError> {
+    /// [`ParameterError`] with the name of the option, the number and the range.
+    pub fn check(&self, option: &'static str, value: f64) -> Result<(), ParameterError> {
         match self.contains(value) {
             true => Ok(()),
-            false => Err(OptionError::new(option, value, self.to_string())),
+            false => Err(ParameterError::range(option, value, self.to_string())),
         }
     }
 }
@@ -121,49 +122,8 @@ impl From<std::ops::Range<f64>> for Range {
     }
 }
 
-/// An option whose value is outside its range.
-///
-/// The errors of all crates hold it in a variant `Option`, so that a program
-/// can show it next to the option that it names.
-///
-/// ```
-/// use fairing_parameters::OptionError;
-///
-/// let error = OptionError::require_positive("radius", -2.0).unwrap_err();
-/// assert_eq!(error.to_string(), "radius is -2, but must be positive and finite");
-/// ```
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{option} is {value}, but must be {expected}")]
-#[non_exhaustive]
-pub struct OptionError {
-    /// The name of the option.
-    pub option: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// The values that are accepted, in words that follow "must be".
-    pub expected: Cow<'static, str>,
-}
-
-impl OptionError {
-    /// The error of an option with this value, which must be `expected`.
-    pub fn new(option: &'static str, value: f64, expected: impl Into<Cow<'static, str>>) -> Self {
-        Self { option, value, expected: expected.into() }
-    }
-
-    /// Refuses the value unless the condition holds.
-    ///
-    /// # Errors
-    ///
-    /// The error of [`new`](Self::new) if `holds` is false.
-    pub fn require(
-        holds: bool,
-        option: &'static str,
-        value: f64,
-        expected: &'static str,
-    ) -> Result<(), Self> {
-        if holds { Ok(()) } else { Err(Self::new(option, value, expected)) }
-    }
-
+/// Common ranges.
+impl ParameterError {
     /// Refuses a value that is not above zero and finite.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_sparse::SparseError;
 
 /// Error of spectra, heat, geodesic distances and Poisson problems.
@@ -48,7 +48,7 @@ pub enum SpectralError {
     },
     /// An option is out of its range.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// Heat underflows before it reaches a vertex.
     #[error("no heat arrives at vertex {vertex}: use a longer time")]
     NoHeat {

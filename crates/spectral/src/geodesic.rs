@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_operators::power_of_two;
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_sparse::{
     Cholesky, GraphSystem, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
 };
@@ -86,7 +86,7 @@ impl HeatGeodesics {
         time: Option<f64>,
     ) -> Result<Self, SpectralError> {
         if let Some(time) = time {
-            OptionError::require_not_negative("time", time)?;
+            ParameterError::require_not_negative("time", time)?;
         }
         let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
         if found != expected {
@@ -177,7 +177,7 @@ impl HeatGeodesics {
     ) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
-            return Err(OptionError::new("number of sources", 0.0, "at least 1").into());
+            return Err(ParameterError::range("number of sources", 0.0, "at least 1").into());
         }
         let mut heat = vec![0.0; n];
         let mut reached = vec![false; self.components];

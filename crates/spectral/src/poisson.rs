@@ -1,7 +1,7 @@
 //! Poisson problems on a mesh.
 
 use fairing_operators::{Laplacian, OperatorError};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_sparse::GraphSystem;
 
 use crate::error::SpectralError;
@@ -101,7 +101,7 @@ impl<'a> Poisson<'a> {
         }
         for (name, numbers) in [("right-hand side", f), ("fixed value", values)] {
             if let Some(&value) = numbers.iter().find(|x| !x.is_finite()) {
-                return Err(OptionError::new(name, value, "finite").into());
+                return Err(ParameterError::range(name, value, "finite").into());
             }
         }
         let right = self.laplacian.mass().as_mass().times(f);
@@ -192,7 +192,7 @@ mod tests {
         ));
         assert!(matches!(
             problem.solve(&[0.0; 12], &[f64::NAN]),
-            Err(SpectralError::Option(OptionError { option: "fixed value", .. }))
+            Err(SpectralError::Option(ParameterError::Range { option: "fixed value", .. }))
         ));
         // Nothing is left to solve if all vertices are fixed.
         let all: Vec<u32> = (0..12).collect();

@@ -1,6 +1,6 @@
 //! Signatures of points and of shapes.
 
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use ndarray::{Array1, Array2};
 
 use crate::error::SpectralError;
@@ -27,7 +27,7 @@ pub fn heat_kernel_signature(
     times: &[f64],
 ) -> Result<Array2<f64>, SpectralError> {
     for &time in times {
-        OptionError::require_positive("time", time)?;
+        ParameterError::require_positive("time", time)?;
     }
     let squares = spectrum.modes.mapv(|x| x * x);
     let weights = Array2::from_shape_fn((spectrum.len(), times.len()), |(i, t)| {
@@ -88,9 +88,9 @@ pub fn wave_kernel_signature(
     energies: &[f64],
     sigma: f64,
 ) -> Result<Array2<f64>, SpectralError> {
-    OptionError::require_positive("sigma", sigma)?;
+    ParameterError::require_positive("sigma", sigma)?;
     for &energy in energies {
-        OptionError::require(energy.is_finite(), "energy", energy, "finite")?;
+        ParameterError::require(energy.is_finite(), "energy", energy, "finite")?;
     }
     let last = spectrum.values.last().copied().unwrap_or(0.0);
     let positive: Vec<usize> =
@@ -123,10 +123,12 @@ pub fn wave_kernel_energies(
     spectrum: &Spectrum,
     count: usize,
 ) -> Result<(Vec<f64>, f64), SpectralError> {
-    OptionError::require(count >= 2, "number of energies", count as f64, "at least 2")?;
+    ParameterError::require(count >= 2, "number of energies", count as f64, "at least 2")?;
     let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
         let expected = "enough for two λ above zero";
-        return Err(OptionError::new("number of modes", spectrum.len() as f64, expected).into());
+        return Err(
+            ParameterError::range("number of modes", spectrum.len() as f64, expected).into()
+        );
     };
     let (low, high) = (libm::log(first), libm::log(last));
     // From low + 2σ to high − 2σ in count − 1 steps of length d, with σ = 7d.

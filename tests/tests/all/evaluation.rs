@@ -6,7 +6,7 @@ use fairing_evaluation::{
     self_intersections, surface_distance, vertex_displacement, vertex_distance,
 };
 use fairing_mesh::{TriMesh, subdivide_midpoint};
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_shapes::{self as shapes, Diagonals};
 use proptest::prelude::*;
 
@@ -160,7 +160,7 @@ fn features() {
     let error = feature_edges(&cube, &cube, 180.0).unwrap_err();
     assert_eq!(
         error,
-        OptionError::new("feature angle", 180.0, "above 0 and below 180 degrees").into()
+        ParameterError::range("feature angle", 180.0, "above 0 and below 180 degrees").into()
     );
 }
 

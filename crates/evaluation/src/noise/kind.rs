@@ -1,6 +1,6 @@
 //! Kinds of noise and their parameters.
 
-use fairing_parameters::{OptionError, Range};
+use fairing_parameters::{ParameterError, Range};
 
 /// The distribution of the displacements, with the meaning of the level σ.
 ///
@@ -193,10 +193,10 @@ impl NoiseKind {
     }
 
     /// Refuses parameters outside their range.
-    pub(super) fn check(self) -> Result<(), OptionError> {
+    pub(super) fn check(self) -> Result<(), ParameterError> {
         match self {
             Self::Impulsive { fraction } => {
-                OptionError::require_fraction("fraction of impulses", fraction)
+                ParameterError::require_fraction("fraction of impulses", fraction)
             }
             Self::Correlated { length } | Self::DepthCamera { length, .. } => {
                 Range::from(0.1..=10.0).check("correlation length in edges", length)

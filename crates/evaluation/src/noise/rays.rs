@@ -1,7 +1,7 @@
 //! Displacements along the rays from a camera.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 
@@ -21,17 +21,17 @@ const TRIALS: usize = 16;
 ///
 /// # Errors
 ///
-/// [`OptionError`] for a coordinate that is not finite or beyond those of all meshes.
+/// [`ParameterError`] for a coordinate that is not finite or beyond those of all meshes.
 pub(crate) fn camera_and_centre(
     mesh: &TriMesh,
     camera: Option<[f64; 3]>,
-) -> Result<[DVec3; 2], OptionError> {
+) -> Result<[DVec3; 2], ParameterError> {
     let [low, high] = mesh.bounding_box().unwrap_or_default().map(DVec3::from);
     let centre = 0.5 * low + 0.5 * high;
     let eye = camera.map_or(centre + 3.0 * mesh.diagonal() * DVec3::Z, DVec3::from);
     for x in eye.to_array() {
         let near = x.abs() <= 1e31;
-        OptionError::require(near, "coordinate of the camera", x, "between -1e31 and 1e31")?;
+        ParameterError::require(near, "coordinate of the camera", x, "between -1e31 and 1e31")?;
     }
     Ok([eye, centre])
 }
@@ -119,7 +119,7 @@ impl View {
         let largest = spread / least;
         if sigma > largest {
             let expected = format!("at most {largest:.3e} for a depth camera at this distance");
-            return Err(OptionError::new("noise level in mesh units", sigma, expected).into());
+            return Err(ParameterError::range("noise level in mesh units", sigma, expected).into());
         }
         let mut steps = spread / sigma;
         let mut best = (f64::INFINITY, steps);

@@ -167,7 +167,9 @@ fn bad_parameters_are_named() {
     let sphere = shapes::icosphere(1);
     for level in [-1.0, f64::NAN, f64::INFINITY] {
         let e = add_noise(&sphere, NoiseKind::UniformPerAxis, NoiseLevel::Model(level), 0);
-        let Err(EvaluationError::Option(OptionError { option, .. })) = e else { panic!("{e:?}") };
+        let Err(EvaluationError::Option(ParameterError::Range { option, .. })) = e else {
+            panic!("{e:?}")
+        };
         assert_eq!(option, "noise level in mesh units");
     }
     let kind = NoiseKind::Impulsive { fraction: 1.5 };

@@ -84,7 +84,7 @@ impl Surface {
         if seams > 0 {
             context.note(format_args!(
                 "{}: {seams} boundary vertices coincide with another vertex, as at seams of \
-                 texture coordinates; --weld joins them",
+                 texture coordinates, or between sheets that a repair has split; --weld joins them",
                 path.display()
             ));
         }

@@ -13,7 +13,7 @@ mod patch;
 mod split;
 mod thin;
 
-use fairing_parameters::{OptionError, Range};
+use fairing_parameters::{ParameterError, Range};
 use fairing_watch as watch;
 
 use crate::TriMesh;
@@ -84,7 +84,7 @@ impl RepairOptions {
     /// The largest number of edges of a hole to fill: its triangulation takes time cubic in it.
     pub const MAX_HOLE: usize = 2000;
 
-    fn check(&self) -> Result<(), OptionError> {
+    fn check(&self) -> Result<(), ParameterError> {
         Range::FRACTION.check("tolerance", self.tolerance)?;
         Range::from(0.0..=0.1).check("thin", self.thin)?;
         Range::from(0.0..=Self::MAX_HOLE as f64).check("holes", self.holes as f64)
@@ -103,7 +103,7 @@ impl Default for RepairOptions {
 pub enum RepairError {
     /// An option is out of range.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// The positions that are left do not make a mesh: without the vertices that were dropped or
     /// merged, their extent is out of range.
     #[error("the repaired mesh is not valid: {0}")]

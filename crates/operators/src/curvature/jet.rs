@@ -16,9 +16,7 @@
 //! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{
-    Field, Kind, OptionError, Options, Parameter, ParameterError, Range, Value, Values,
-};
+use fairing_parameters::{Field, Kind, Options, Parameter, ParameterError, Range, Value, Values};
 
 use super::field::{AtVertex, CurvatureField};
 use super::fit::{HeightField, fit_each};
@@ -83,7 +81,7 @@ impl Field for JetWeight {
         Ok(())
     }
 
-    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+    fn check(&self, _: &'static str, _: Range) -> Result<(), ParameterError> {
         match self {
             Self::Uniform => Ok(()),
             Self::Gaussian(width) => Range::POSITIVE.check(GAUSSIAN, *width),

@@ -3,9 +3,7 @@
 use std::ops::Bound;
 
 use fairing_mesh::{Topology, TriMesh};
-use fairing_parameters::{
-    Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
-};
+use fairing_parameters::{Field, Kind, Parameter, ParameterError, Range, Value, Values};
 use glam::DVec3;
 
 use crate::error::OperatorError;
@@ -40,7 +38,7 @@ impl Length {
     /// [`OperatorError::Option`] if it is negative or not finite.
     pub(crate) fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
         let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
-        OptionError::require_not_negative("radius", value)?;
+        ParameterError::require_not_negative("radius", value)?;
         if matches!(self, Self::MeshUnits(_)) {
             return Ok(vec![value; mesh.vertex_count()]);
         }
@@ -74,7 +72,7 @@ impl Field for Length {
         Ok(())
     }
 
-    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+    fn check(&self, name: &'static str, range: Range) -> Result<(), ParameterError> {
         let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
         range.check(name, *value)
     }
@@ -133,7 +131,7 @@ impl Field for Neighborhood {
         Ok(())
     }
 
-    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+    fn check(&self, _: &'static str, _: Range) -> Result<(), ParameterError> {
         match self {
             Self::Rings(rings) => RINGS_RANGE.check(RINGS, f64::from(*rings)),
             Self::Ball(radius) => radius.check(RADIUS, Range::POSITIVE),

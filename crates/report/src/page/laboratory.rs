@@ -34,7 +34,7 @@ pub fn laboratory(module: &[u8]) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::base85;
+    use crate::base85;
     use super::*;
 
     /// With the module that is committed.

@@ -2,9 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
-use fairing_parameters::{
-    Choice, Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
-};
+use fairing_parameters::{Choice, Field, Kind, Parameter, ParameterError, Range, Value, Values};
 
 use crate::engine::error::FlowFailure;
 
@@ -154,7 +152,7 @@ impl Field for Diffusion {
         Ok(())
     }
 
-    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+    fn check(&self, _: &'static str, _: Range) -> Result<(), ParameterError> {
         Range::NOT_NEGATIVE.check("step", self.value())
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
-use fairing_parameters::OptionError;
+use fairing_parameters::ParameterError;
 use fairing_sparse::SparseError;
 use fairing_spectral::SpectralError;
 
@@ -52,7 +52,7 @@ impl From<OperatorError> for FlowFailure {
 pub enum FlowFailure {
     /// An option is out of range.
     #[error(transparent)]
-    Option(#[from] OptionError),
+    Option(#[from] ParameterError),
     /// A combination of options that is not supported.
     #[error("{reason}")]
     Unsupported {

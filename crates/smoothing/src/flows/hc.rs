@@ -1,7 +1,7 @@
 //! HC smoothing: Laplacian steps that push vertices back towards their previous positions.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{OptionError, Options, Range};
+use fairing_parameters::{Options, ParameterError, Range};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
@@ -94,7 +94,7 @@ pub fn hc(
         run.report.stable_limit = Some(limit);
         run.report.unstable = 1.0 - beta > limit;
         if run.report.unstable && options.stability == Stability::Refuse {
-            let error = OptionError::new("beta", beta, LARGE_ENOUGH);
+            let error = ParameterError::range("beta", beta, LARGE_ENOUGH);
             return Err(run.refuse(error.into()));
         }
     }

@@ -4,9 +4,7 @@ use std::ops::Bound;
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
-use fairing_parameters::{
-    Field, Kind, OptionError, Options, Parameter, ParameterError, Range, Value, Values,
-};
+use fairing_parameters::{Field, Kind, Options, Parameter, ParameterError, Range, Value, Values};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
@@ -95,7 +93,7 @@ impl Field for Transfer {
         Ok(())
     }
 
-    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+    fn check(&self, _: &'static str, _: Range) -> Result<(), ParameterError> {
         match *self {
             Self::Heat(time) => Range::NOT_NEGATIVE.check(TIME, time.value()),
             Self::Butterworth { cutoff, order } => {

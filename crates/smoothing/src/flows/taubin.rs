@@ -1,7 +1,7 @@
 //! Taubin's λ|μ smoothing.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Kind, OptionError, Options, Parameter, Range};
+use fairing_parameters::{Kind, Options, Parameter, ParameterError, Range};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
@@ -127,8 +127,8 @@ fn check(options: &Taubin) -> Result<(), FlowFailure> {
     let Taubin { lambda, pass_band, .. } = *options;
     options.check()?;
     let expected = "above 0 and below 1/λ, so that μ < −λ";
-    OptionError::require(pass_band < 1.0 / lambda, "pass-band", pass_band, expected)?;
+    ParameterError::require(pass_band < 1.0 / lambda, "pass-band", pass_band, expected)?;
     let roughest = (1.0 - 2.0 * lambda) * (1.0 - 2.0 * options.mu());
     let expected = "so small that the roughest mode does not grow: |(1 − 2λ)(1 − 2μ)| ≤ 1";
-    Ok(OptionError::require(roughest.abs() <= 1.0, "lambda", lambda, expected)?)
+    Ok(ParameterError::require(roughest.abs() <= 1.0, "lambda", lambda, expected)?)
 }
