@@ -19,8 +19,8 @@ pub type Module<'a> = (&'a str, &'a str);
 ///
 /// # Errors
 ///
-/// [`FigureError::Script`] for a path that is not among `modules`, a name that is not exported, a circle,
-/// and another form of import or export.
+/// [`FigureError::Script`] for a path that is not among `modules`, a name that is not exported, a
+/// circle, and another form of import or export.
 pub fn bundle(entry: &str, modules: &[Module<'_>]) -> Result<String, FigureError> {
     let mut bundle =
         Bundle { modules, exports: HashMap::new(), open: vec![], script: String::new() };

@@ -51,7 +51,8 @@ const EXAMPLES: Step = Step {
     environment: &[],
 };
 
-/// Meshes and matrices of other crates, behind features that are off.
+/// Meshes and matrices of other crates, behind features that are off: tests, and examples of the
+/// documentation.
 const CONVERSIONS: Step = Step {
     name: "conversions",
     arguments: &[
@@ -60,20 +61,22 @@ const CONVERSIONS: Step = Step {
         "--package=fairing-sparse",
         "--features=nalgebra,parry3d,ply-rs,tobj,faer",
         "--locked",
-        // Tests and examples of the documentation.
+        "--",
         "conver",
     ],
     environment: &[],
 };
-/// The dense eigensolver of the system as an oracle: only where there is one.
-const LAPACK: Step = Step {
-    name: "eigenpairs against LAPACK",
+/// The same where the system has a LAPACK, and its dense eigensolver as an oracle.
+const CONVERSIONS_AND_LAPACK: Step = Step {
+    name: "conversions, and eigenpairs against LAPACK",
     arguments: &[
         "test",
+        "--package=fairing-mesh",
         "--package=fairing-sparse",
-        "--features=lapack",
-        "--test=all",
+        "--features=nalgebra,parry3d,ply-rs,tobj,faer,lapack",
         "--locked",
+        "--",
+        "conver",
         "lapack::",
     ],
     environment: &[],
@@ -134,10 +137,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     }
     log.step("tests", || tests.run(root))?;
     log.cargo(root, &EXAMPLES)?;
-    log.cargo(root, &CONVERSIONS)?;
-    if has_openblas() {
-        log.cargo(root, &LAPACK)?;
-    }
+    log.cargo(root, if has_openblas() { &CONVERSIONS_AND_LAPACK } else { &CONVERSIONS })?;
     let mut without_python = vec![];
     log.step("the Python package", || {
         let extent = if whole_python { Extent::Whole } else { Extent::Quick };

@@ -162,21 +162,29 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
     format!("{first}{end}.")
 }
 
-/// Errors over λ, by normals and by the distance of the surfaces.
-pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
+/// The style of implicit steps in plots, as in q7.
+pub(super) const IMPLICIT: usize = 0;
+/// The style of explicit steps.
+pub(super) const EXPLICIT: usize = 1;
+/// Styles that differ by so much have one colour and different marks.
+const SAME_COLOR: usize = 7;
+
+/// Errors over λ, by normals and by the distance of the surfaces, in the colour of a method.
+pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
     for (column, unit) in [("normal error", "degrees"), ("surface error", "h")] {
         let mut plot =
             Plot {
                 title: column.into(), x: Axis::log("λ"), y: Axis::log(unit), ..Plot::default()
             };
-        for mesh in SWEPT_MESHES {
+        for (k, mesh) in SWEPT_MESHES.into_iter().enumerate() {
             let rows = sweep.only(&[("mesh", mesh.into())])?;
             let errors = rows.index(column)?;
             let errors = rows.rows.iter().map(|row| row[errors].number());
             let points = rows.column("lambda")?.into_iter().zip(errors);
             let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
-            plot.series.push(Series::marked(mesh, points));
+            let style = Some(method + SAME_COLOR * k);
+            plot.series.push(Series { style, ..Series::marked(mesh, points) });
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
     }

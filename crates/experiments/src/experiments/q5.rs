@@ -91,7 +91,7 @@ impl Experiment for ExplicitFlow {
             "{} Errors after {ITERATIONS} explicit steps over λ, up to the longest that is stable on every mesh.",
             over_lambda::seen_in_plot(&Favourites::of(&sweep)?)
         );
-        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
+        outcome.figures.push(over_lambda::plot(&sweep, over_lambda::EXPLICIT, &caption)?);
         let best = best(context)?;
         context.progress(0.9, "spectra");
         outcome.tables.extend([table, sweep, best, spectra(&models)?]);

@@ -108,7 +108,7 @@ impl Experiment for ImplicitFlow {
             "{}{to_see} Errors after {ITERATIONS} implicit steps over λ, as long as there is a shape left.",
             over_lambda::seen_in_plot(&best)
         );
-        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
+        outcome.figures.push(over_lambda::plot(&sweep, over_lambda::IMPLICIT, &caption)?);
         context.progress(0.7, "iterations");
         for model in models.iter().filter(|m| m.name == "machine part") {
             outcome.figures.push(over_iterations(model)?);
