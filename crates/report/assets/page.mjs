@@ -144,9 +144,13 @@ async function open(view) {
   }
 }
 
+/** Lets the browser draw and answer in between. */
+const pause = () => new Promise((done) => setTimeout(done));
+
 async function start() {
   followTheme();
   follow();
+  await pause();
   const narrow = matchMedia('(max-width: 70rem)');
   const fold = () => { document.querySelector('nav details').open = !narrow.matches; };
   fold();
@@ -158,6 +162,7 @@ async function start() {
   }, true);
   reachable(document);
   addEventListener('resize', () => reachable(document));
+  await pause();
   const figures = [...document.querySelectorAll('figure.view')];
   const plays = [...document.querySelectorAll('figure.play')];
   const colors = colorMaps();

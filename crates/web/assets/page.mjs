@@ -22,6 +22,8 @@ export function bytesOfDigits(text) {
  */
 export async function clientOfPage() {
   const textOf = (id) => document.getElementById(id).textContent;
+  // The digits take a moment, in which the browser should be free to draw.
+  await new Promise((done) => setTimeout(done));
   const packed = new Blob([bytesOfDigits(textOf('module'))]).stream().pipeThrough(new DecompressionStream('gzip'));
   const module = await WebAssembly.compile(await new Response(packed).arrayBuffer());
   const source = URL.createObjectURL(new Blob([textOf('worker')], {type: 'text/javascript'}));
