@@ -73,7 +73,7 @@ macro_rules! algorithms {
                         return Ok(Self::$Variant(options));
                     }
                 )+
-                Ok(Self::by_name(name)?)
+                Self::by_name(name)
             }
 
             /// The name, description, sources and parameters, with these options as defaults.

@@ -34,8 +34,8 @@ pub fn laboratory(module: &[u8]) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::base85;
     use super::*;
+    use crate::base85;
 
     /// With the module that is committed.
     #[test]
