@@ -1,7 +1,7 @@
 //! The Hausdorff distance between surfaces, within a tolerance.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::ParameterError;
+use fairing_parameters::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -57,7 +57,7 @@ pub struct Hausdorff {
 /// [`EvaluationError::NoFaces`], [`EvaluationError::Option`] unless the
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
-    ParameterError::require_positive("tolerance", tolerance)?;
+    Range::POSITIVE.check("tolerance", tolerance)?;
     let (own, other) = (tree(a, "mesh")?, tree(b, "reference")?);
     Ok(between(a, &own, b, &other, tolerance))
 }

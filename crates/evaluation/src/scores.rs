@@ -3,7 +3,7 @@
 use std::fmt;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::ParameterError;
+use fairing_parameters::Range;
 
 use crate::distance::{self, tree};
 use crate::hausdorff;
@@ -117,7 +117,7 @@ impl Scores {
         reference: &TriMesh,
         options: &ScoreOptions,
     ) -> Result<Self, EvaluationError> {
-        ParameterError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
+        Range::POSITIVE.check("Hausdorff tolerance", options.hausdorff_tolerance)?;
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
         let diagonal = reference.diagonal();
         // A reference of one point has no diagonal to take a fraction of.

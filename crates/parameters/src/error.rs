@@ -9,9 +9,9 @@ use std::borrow::Cow;
 /// can show it next to the option that it names.
 ///
 /// ```
-/// use fairing_parameters::ParameterError;
+/// use fairing_parameters::Range;
 ///
-/// let error = ParameterError::require_positive("radius", -2.0).unwrap_err();
+/// let error = Range::POSITIVE.check("radius", -2.0).unwrap_err();
 /// assert_eq!(error.to_string(), "radius is -2, but must be positive and finite");
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -122,36 +122,6 @@ impl From<std::ops::Range<f64>> for Range {
     }
 }
 
-/// Common ranges.
-impl ParameterError {
-    /// Refuses a value that is not above zero and finite.
-    ///
-    /// # Errors
-    ///
-    /// For zero, negative values, infinity and NaN.
-    pub fn require_positive(option: &'static str, value: f64) -> Result<(), Self> {
-        Range::POSITIVE.check(option, value)
-    }
-
-    /// Refuses a value that is negative or not finite.
-    ///
-    /// # Errors
-    ///
-    /// For values below zero, infinity and NaN.
-    pub fn require_not_negative(option: &'static str, value: f64) -> Result<(), Self> {
-        Range::NOT_NEGATIVE.check(option, value)
-    }
-
-    /// Refuses a value outside `[0, 1]`.
-    ///
-    /// # Errors
-    ///
-    /// For values below 0 or above 1, and NaN.
-    pub fn require_fraction(option: &'static str, value: f64) -> Result<(), Self> {
-        Range::FRACTION.check(option, value)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

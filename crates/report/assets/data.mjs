@@ -3,8 +3,7 @@ import {bytesOfDigits} from '../../web/assets/page.mjs';
 /**
  * Reading of the data that the page carries.
  *
- * Each view has one block: the digits (base 85) of a zlib stream of arrays, one after
- * another, in the order in which the view's description asks for them. Numbers
+ * Each view has one block: digits to the base 85 of a zlib stream of arrays, one after another, in the order in which the view's description asks for them. Numbers
  * are stored as differences to their predecessor, zigzag-coded, and split into
  * planes of bytes, which compress well. The writer is `views/pack.rs`.
  */
@@ -90,7 +89,7 @@ export function decodeView(description, block) {
     const n = panel.vertices;
     let before = null;
     const decoded = [];
-    for (const {steps, low, size, follows, same, panel: other} of panel.stops) {
+    for (const {low, size, follows, same, panel: other} of panel.stops) {
       if (same !== undefined) {
         decoded.push(other === undefined ? decoded[same] : panels[other].stops[same]);
         continue;
@@ -98,7 +97,7 @@ export function decodeView(description, block) {
       const q = block.shorts(n, 3);
       if (follows) for (let i = 0; i < q.length; i++) q[i] = (q[i] + before[i]) & 0xffff;
       before = q;
-      decoded.push(positionsIn({steps, low, size}, q));
+      decoded.push(positionsIn({low, size}, q));
     }
     const occlusion = block.raw(n);
     const read = (field) => Float32Array.from(block.shorts(n, 1), (q) => dequantised(q, field));
@@ -120,9 +119,9 @@ function decodeTruth(truth, panels, block) {
   return positionsIn(truth, block.shorts(truth.vertices, 3));
 }
 
-/** Places in a box, in so many steps along each side. */
-function positionsIn({steps, low, size}, q) {
-  return Float64Array.from(q, (x, i) => low[i % 3] + (size[i % 3] * x) / steps);
+/** Places in a box, in 65535ths. */
+function positionsIn({low, size}, q) {
+  return Float64Array.from(q, (x, i) => low[i % 3] + (size[i % 3] * x) / 65535);
 }
 
 /** Each mode has 65535 steps from minus its largest size to plus. */

@@ -9,6 +9,7 @@ import {PlotPoints} from './points.mjs';
 import {Renderer} from '../../figure/viewer/renderer.mjs';
 import {Stack} from './stack.mjs';
 import {followTheme} from './theme.mjs';
+import {pause} from '../../web/assets/page.mjs';
 import {View} from './view.mjs';
 
 // Starts the page: opens views as they come near, keeps what is chosen in the address, and shows a
@@ -143,9 +144,6 @@ async function open(view) {
     throw error;
   }
 }
-
-/** Lets the browser draw and answer in between. */
-const pause = () => new Promise((done) => setTimeout(done));
 
 async function start() {
   followTheme();

@@ -3,7 +3,7 @@
 use ndarray::{Array2, Axis, Slice};
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::ParameterError;
+use fairing_parameters::Range;
 
 use crate::cluster::Split;
 use crate::error::SpectralError;
@@ -42,7 +42,7 @@ pub fn compress(
     precision: f64,
 ) -> Result<Compressed, SpectralError> {
     spectrum.check_modes(k)?;
-    ParameterError::require_positive("precision", precision)?;
+    Range::POSITIVE.check("precision", precision)?;
     let positions = mesh.positions_view();
     let truncation = spectrum.truncation_errors(positions)?[k];
     let area = spectrum.area();

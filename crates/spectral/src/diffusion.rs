@@ -1,7 +1,7 @@
 //! Diffusion of heat on a mesh by implicit steps.
 
 use fairing_operators::{Laplacian, MassMatrix};
-use fairing_parameters::ParameterError;
+use fairing_parameters::{ParameterError, Range};
 use fairing_sparse::{GraphSystem, combine};
 
 use crate::error::SpectralError;
@@ -47,7 +47,7 @@ impl HeatDiffusion {
     /// [`SpectralError::Option`] for a negative time; a mass that is not positive; errors of the
     /// factorisation.
     pub fn new(laplacian: &Laplacian, time: f64) -> Result<Self, SpectralError> {
-        ParameterError::require_not_negative("time", time)?;
+        Range::NOT_NEGATIVE.check("time", time)?;
         let mass = laplacian.positive_mass()?.into_owned();
         let (weights, diagonal) = (mass.lumped(), laplacian.stiffness().diag());
         let is_long = |(v, &s): (usize, &f64)| time * s > LONG * weights[v];

@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_operators::power_of_two;
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
-use fairing_parameters::ParameterError;
+use fairing_parameters::{ParameterError, Range};
 use fairing_sparse::{
     Cholesky, GraphSystem, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
 };
@@ -86,7 +86,7 @@ impl HeatGeodesics {
         time: Option<f64>,
     ) -> Result<Self, SpectralError> {
         if let Some(time) = time {
-            ParameterError::require_not_negative("time", time)?;
+            Range::NOT_NEGATIVE.check("time", time)?;
         }
         let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
         if found != expected {

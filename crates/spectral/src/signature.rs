@@ -1,6 +1,6 @@
 //! Signatures of points and of shapes.
 
-use fairing_parameters::ParameterError;
+use fairing_parameters::{ParameterError, Range};
 use ndarray::{Array1, Array2};
 
 use crate::error::SpectralError;
@@ -27,7 +27,7 @@ pub fn heat_kernel_signature(
     times: &[f64],
 ) -> Result<Array2<f64>, SpectralError> {
     for &time in times {
-        ParameterError::require_positive("time", time)?;
+        Range::POSITIVE.check("time", time)?;
     }
     let squares = spectrum.modes.mapv(|x| x * x);
     let weights = Array2::from_shape_fn((spectrum.len(), times.len()), |(i, t)| {
@@ -88,7 +88,7 @@ pub fn wave_kernel_signature(
     energies: &[f64],
     sigma: f64,
 ) -> Result<Array2<f64>, SpectralError> {
-    ParameterError::require_positive("sigma", sigma)?;
+    Range::POSITIVE.check("sigma", sigma)?;
     for &energy in energies {
         ParameterError::require(energy.is_finite(), "energy", energy, "finite")?;
     }

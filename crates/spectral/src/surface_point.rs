@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::ParameterError;
+use fairing_parameters::Range;
 use glam::DVec3;
 
 use crate::error::SpectralError;
@@ -35,10 +35,10 @@ impl SurfacePoint {
             return Err(SpectralError::NoSuchFace { face: f, faces: mesh.face_count() });
         };
         for weight in weights {
-            ParameterError::require_not_negative("barycentric coordinate", weight)?;
+            Range::NOT_NEGATIVE.check("barycentric coordinate", weight)?;
         }
         let sum: f64 = weights.iter().sum();
-        ParameterError::require_positive("sum of barycentric coordinates", sum)?;
+        Range::POSITIVE.check("sum of barycentric coordinates", sum)?;
         let weights = weights.map(|weight| weight / sum);
         if let Some(k) = weights.iter().position(|weight| *weight == 1.0) {
             return Ok(Self::vertex(vertices[k]));

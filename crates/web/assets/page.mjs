@@ -16,14 +16,16 @@ export function bytesOfDigits(text) {
   return bytes;
 }
 
+/** Lets the browser draw and answer in between. */
+export const pause = () => new Promise((done) => setTimeout(done));
+
 /**
  * A client of the module that the page carries: the element `module` holds its bytes, compressed by
  * gzip, in digits, the element `worker` the script of a worker. Works in pages from disk too.
  */
 export async function clientOfPage() {
   const textOf = (id) => document.getElementById(id).textContent;
-  // The digits take a moment, in which the browser should be free to draw.
-  await new Promise((done) => setTimeout(done));
+  await pause();
   const packed = new Blob([bytesOfDigits(textOf('module'))]).stream().pipeThrough(new DecompressionStream('gzip'));
   const module = await WebAssembly.compile(await new Response(packed).arrayBuffer());
   const source = URL.createObjectURL(new Blob([textOf('worker')], {type: 'text/javascript'}));

@@ -51,37 +51,6 @@ const EXAMPLES: Step = Step {
     environment: &[],
 };
 
-/// Meshes and matrices of other crates, behind features that are off: tests, and examples of the
-/// documentation.
-const CONVERSIONS: Step = Step {
-    name: "conversions",
-    arguments: &[
-        "test",
-        "--package=fairing-mesh",
-        "--package=fairing-sparse",
-        "--features=nalgebra,parry3d,ply-rs,tobj,faer",
-        "--locked",
-        "--",
-        "conver",
-    ],
-    environment: &[],
-};
-/// The same where the system has a LAPACK, and its dense eigensolver as an oracle.
-const CONVERSIONS_AND_LAPACK: Step = Step {
-    name: "conversions, and eigenpairs against LAPACK",
-    arguments: &[
-        "test",
-        "--package=fairing-mesh",
-        "--package=fairing-sparse",
-        "--features=nalgebra,parry3d,ply-rs,tobj,faer,lapack",
-        "--locked",
-        "--",
-        "conver",
-        "lapack::",
-    ],
-    environment: &[],
-};
-
 /// The number of slowest tests that are listed.
 const NAMED: usize = 10;
 
@@ -137,7 +106,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     }
     log.step("tests", || tests.run(root))?;
     log.cargo(root, &EXAMPLES)?;
-    log.cargo(root, if has_openblas() { &CONVERSIONS_AND_LAPACK } else { &CONVERSIONS })?;
+    log.step("features that are off", || optional_features(root))?;
     let mut without_python = vec![];
     log.step("the Python package", || {
         let extent = if whole_python { Extent::Whole } else { Extent::Quick };
@@ -172,6 +141,20 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
         names => eprintln!("FAILED: {}", names.join(", ")),
     }
     Ok(log.failed.is_empty())
+}
+
+/// Tests what is behind features that are off: meshes and matrices of other crates, and, where the
+/// system has one, LAPACK as an oracle of eigenpairs.
+fn optional_features(root: &Path) -> Result<bool> {
+    let mut features = "nalgebra,parry3d,ply-rs,tobj,faer".to_owned();
+    if has_openblas() {
+        features += ",lapack";
+    }
+    println!("== features that are off: {features}");
+    let mut cargo = cargo(root);
+    cargo.args(["test", "--package=fairing-mesh", "--package=fairing-sparse", "--locked"]);
+    cargo.arg(format!("--features={features}")).args(["--", "conver", "lapack::"]);
+    Ok(cargo.status().context("running cargo")?.success())
 }
 
 fn print_times<Name: std::fmt::Display>(title: &str, times: impl IntoIterator<Item = (Name, f64)>) {

@@ -1,8 +1,8 @@
 //! The trained numbers, as a file of bytes.
 //!
 //! Numbers are rounded to half precision, which halves the package and takes half a megabyte off
-//! every page with the module for browsers. With the shorter mantissa of bfloat16 the median error
-//! of the benchmark's development set grew by three percent.
+//! every page with the module for browsers. The mantissa of bfloat16 is too short: it raises the
+//! median error on the benchmark's development set by three percent.
 
 use std::sync::OnceLock;
 

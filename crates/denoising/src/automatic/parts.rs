@@ -138,8 +138,10 @@ mod tests {
             .collect();
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
         assert!(is_scattered(&whole));
-        let part = Part::new((&whole).into(), &[0]).unwrap();
+        let fixed: Vec<bool> = (0..n).map(|v| v % 3 == 0).collect();
+        let part = Part::new(Masked::new(&whole, &fixed).unwrap(), &[0]).unwrap();
         assert!(!is_scattered(&part.mesh));
+        assert!(part.vertices.iter().zip(&part.fixed).all(|(v, fixed)| *fixed == (v % 3 == 0)));
         assert_eq!(part.mesh.face_count(), whole.face_count());
         let corner = |mesh: &TriMesh, v: u32| mesh.positions()[v as usize].map(f64::to_bits);
         let sorted = |mesh: &TriMesh| {

@@ -195,9 +195,7 @@ impl NoiseKind {
     /// Refuses parameters outside their range.
     pub(super) fn check(self) -> Result<(), ParameterError> {
         match self {
-            Self::Impulsive { fraction } => {
-                ParameterError::require_fraction("fraction of impulses", fraction)
-            }
+            Self::Impulsive { fraction } => Range::FRACTION.check("fraction of impulses", fraction),
             Self::Correlated { length } | Self::DepthCamera { length, .. } => {
                 Range::from(0.1..=10.0).check("correlation length in edges", length)
             }

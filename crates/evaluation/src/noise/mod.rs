@@ -8,7 +8,7 @@ mod normals;
 mod rays;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::ParameterError;
+use fairing_parameters::Range;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -48,7 +48,7 @@ pub fn add_noise(
     seed: u64,
 ) -> Result<TriMesh, EvaluationError> {
     let sigma = level.in_mesh_units(mesh);
-    ParameterError::require_not_negative("noise level in mesh units", sigma)?;
+    Range::NOT_NEGATIVE.check("noise level in mesh units", sigma)?;
     kind.check()?;
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     // The displacements for a unit of length.

@@ -1,5 +1,6 @@
 //! Tests of all kinds of noise.
 
+use fairing_parameters::ParameterError;
 use fairing_shapes as shapes;
 
 use super::*;

@@ -162,12 +162,10 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
     format!("{first}{end}.")
 }
 
-/// The style of implicit steps in plots, as in q7.
+/// The style of implicit steps in plots.
 pub(super) const IMPLICIT: usize = 0;
 /// The style of explicit steps.
 pub(super) const EXPLICIT: usize = 1;
-/// Styles that differ by so much have one colour and different marks.
-const SAME_COLOR: usize = 7;
 
 /// Errors over λ, by normals and by the distance of the surfaces, in the colour of a method.
 pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Picture> {
@@ -183,7 +181,7 @@ pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Pictur
             let errors = rows.rows.iter().map(|row| row[errors].number());
             let points = rows.column("lambda")?.into_iter().zip(errors);
             let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
-            let style = Some(method + SAME_COLOR * k);
+            let style = Some(method + Series::COLORS * k);
             plot.series.push(Series { style, ..Series::marked(mesh, points) });
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));

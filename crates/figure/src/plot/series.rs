@@ -51,6 +51,9 @@ pub enum Shape {
 }
 
 impl Series {
+    /// The number of colours. Styles that differ by it share one, and have other marks.
+    pub const COLORS: usize = COLORS.len();
+
     /// A line with marks.
     pub fn marked(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         Self::new(name, Shape::MarkedLine(points))

@@ -38,7 +38,7 @@ impl Length {
     /// [`OperatorError::Option`] if it is negative or not finite.
     pub(crate) fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
         let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
-        ParameterError::require_not_negative("radius", value)?;
+        Range::NOT_NEGATIVE.check("radius", value)?;
         if matches!(self, Self::MeshUnits(_)) {
             return Ok(vec![value; mesh.vertex_count()]);
         }

@@ -1,4 +1,4 @@
-//! Boxes around the positions of a view, in which they become integers.
+//! Boxes around the positions of a view, in which they become 16-bit integers.
 
 use fairing_results::view::Panel;
 use glam::DVec3;
@@ -66,9 +66,9 @@ impl Frame {
         (0..3).all(|k| own.low[k] <= other.low[k] && other.high[k] <= own.high[k])
     }
 
-    /// The place in the box, in so many steps along each side.
-    pub(super) fn code(&self, p: [f64; 3], steps: u16) -> [u16; 3] {
-        let last = f64::from(steps);
+    /// The place in the box, in 65535ths.
+    pub(super) fn code(&self, p: [f64; 3]) -> [u16; 3] {
+        let last = f64::from(u16::MAX);
         [0, 1, 2].map(|k| {
             let size = self.high[k] - self.low[k];
             let t = if size > 0.0 { (p[k] - self.low[k]) / size } else { 0.0 };

@@ -14,10 +14,6 @@ use frame::{Frame, reach};
 use pack::{Pack, Quantiser};
 pub(crate) use script::Packed;
 
-/// Steps along a side of the box around shown positions: a tenth of a pixel. Errors are measured
-/// from the truth, which is finer.
-const STEPS: u16 = (1 << 14) - 1;
-
 /// Packs a view; `id` is unique on the page.
 pub(crate) fn pack(view: &View, id: &str) -> Result<Packed> {
     let (about, data) = describe(view).with_context(|| format!("view {id}"))?;
@@ -155,8 +151,8 @@ fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, pack: &mut Pack) -> Value 
         }
     }
     let place = Frame::new(truth);
-    pack.shorts(&truth.iter().map(|&p| place.code(p, u16::MAX)).collect::<Vec<_>>());
-    json!({"steps": u16::MAX, "low": place.low, "size": place.size(), "vertices": truth.len()})
+    pack.shorts(&truth.iter().map(|&p| place.code(p)).collect::<Vec<_>>());
+    json!({"low": place.low, "size": place.size(), "vertices": truth.len()})
 }
 
 /// `before` are the panels to its left, whose positions are not stored again.
@@ -187,7 +183,7 @@ fn describe_panel(
         let own = Frame::new(positions);
         let stray = !frame.nearly_holds(&own);
         let place = if stray { own } else { frame.enlarged() };
-        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p, STEPS)).collect();
+        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p)).collect();
         let follows = !stray && last.is_some();
         match &last {
             Some(last) if follows => {
@@ -198,9 +194,7 @@ fn describe_panel(
             _ => pack.shorts(&codes),
         }
         last = (!stray).then_some(codes);
-        stops.push(json!({
-            "steps": STEPS, "low": place.low, "size": place.size(), "follows": follows,
-        }));
+        stops.push(json!({"low": place.low, "size": place.size(), "follows": follows}));
     }
     pack.raw(occlusion(panel)?);
     let fields = describe_fields(panel, pack);

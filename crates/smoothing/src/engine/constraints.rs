@@ -1,7 +1,7 @@
 //! Constraints on the movement of vertices.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Field, Kind, Parameter, ParameterError, Values, WeightedVertex};
+use fairing_parameters::{Field, Kind, Parameter, ParameterError, Range, Values, WeightedVertex};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
@@ -142,10 +142,7 @@ impl Freedom {
             let (mut weights, mut targets) = (vec![0.0; n], vec![Some([0.0; 3]); n]);
             for constraint in &constraints.soft {
                 let v = check(constraint.vertex)?;
-                ParameterError::require_not_negative(
-                    "weight of a soft constraint",
-                    constraint.weight,
-                )?;
+                Range::NOT_NEGATIVE.check("weight of a soft constraint", constraint.weight)?;
                 for x in constraint.target.into_iter().flatten() {
                     let option = "target of a soft constraint";
                     ParameterError::require(x.is_finite(), option, x, "finite")?;

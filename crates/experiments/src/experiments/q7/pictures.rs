@@ -14,6 +14,7 @@ use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
 use crate::experiments::models::{CREASES, FEATURE};
+use crate::experiments::over_lambda::{EXPLICIT, IMPLICIT};
 use crate::experiments::restoring::{Body, Method};
 use crate::experiments::seen;
 use crate::outcome::Picture;
@@ -44,6 +45,11 @@ const CURVES: [Method; 7] = [
     Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)),
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
+
+const _: () = assert!(
+    matches!(CURVES[IMPLICIT], Method::Implicit) && matches!(CURVES[EXPLICIT], Method::Explicit),
+    "a method has one style in all plots"
+);
 
 /// Name, in the plots, of the greatest normal error at which a shape is kept.
 const KEPT_NAME: &str = "kept below";
