@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance};
 use super::masked::Masked;
-use super::oriented::on_oriented;
 use super::vertex_update::follow_normals;
+use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`bilateral_normal`].

@@ -5,9 +5,9 @@ use fairing_parameters::Options;
 use rayon::prelude::*;
 
 use super::faces::{FaceLists, FaceShapes};
-use super::oriented::on_oriented;
 use super::vertex_update::follow_normals;
 use super::{DenoiseError, Masked};
+use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`fast_effective`].

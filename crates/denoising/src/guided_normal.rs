@@ -8,9 +8,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
-use super::oriented::on_oriented;
 use super::vertex_update::follow_normals;
 use super::{DenoiseError, Masked};
+use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`guided_normal`].

@@ -24,7 +24,6 @@ mod masked;
 mod noise_level;
 mod noise_scale;
 mod non_iterative;
-mod oriented;
 mod total_generalised_variation;
 mod total_variation;
 mod vertex_update;

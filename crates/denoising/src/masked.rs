@@ -1,7 +1,11 @@
 //! Meshes with fixed vertices.
 
+use std::borrow::Cow;
+
 use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;
+
+use super::DenoiseError;
 
 /// A mesh, and the vertices of it that a denoiser does not move.
 ///
@@ -68,5 +72,27 @@ impl<'a> Masked<'a> {
 impl<'a> From<&'a TriMesh> for Masked<'a> {
     fn from(mesh: &'a TriMesh) -> Self {
         Self { mesh, fixed: &[] }
+    }
+}
+
+/// Denoises the [oriented](TriMesh::oriented) mesh and gives the result the faces of the input.
+///
+/// # Errors
+///
+/// [`DenoiseError::Unwelded`] for a mesh whose faces share no corners, and those of `denoise`.
+pub(crate) fn on_oriented(
+    input: Masked<'_>,
+    denoise: impl FnOnce(Masked<'_>) -> Result<TriMesh, DenoiseError>,
+) -> Result<TriMesh, DenoiseError> {
+    let mesh = input.mesh();
+    if mesh.is_unwelded() {
+        let (vertices, seams) = (mesh.vertex_count(), mesh.seam_vertices());
+        return Err(DenoiseError::Unwelded { seams, vertices });
+    }
+    let oriented = mesh.oriented();
+    let denoised = denoise(input.on(&oriented))?;
+    match oriented {
+        Cow::Borrowed(_) => Ok(denoised),
+        Cow::Owned(_) => Ok(mesh.with_positions(denoised.into_positions())?),
     }
 }

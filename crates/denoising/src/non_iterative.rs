@@ -8,8 +8,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::faces::{FaceLists, FaceShapes, Marks};
-use super::oriented::on_oriented;
 use super::{DenoiseError, Masked};
+use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`non_iterative`].

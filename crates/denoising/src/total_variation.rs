@@ -11,8 +11,8 @@ use super::error::{DenoiseError, solved};
 use super::faces::Hinge;
 use super::jumps::{JumpSystem, shorten};
 use super::masked::Masked;
-use super::oriented::on_oriented;
 use super::vertex_update::follow_normals;
+use crate::masked::on_oriented;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.

@@ -27,7 +27,6 @@ mod mass;
 mod normal_equations;
 mod normals;
 mod polygon;
-mod power_of_two;
 mod stiffness;
 pub mod surface;
 mod symmetric;
@@ -51,7 +50,6 @@ pub use mass::{consistent_mass, lumped_mass};
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};
-pub use power_of_two::power_of_two;
 pub use stiffness::cotan_stiffness;
 #[doc(hidden)]
 pub use tangent::tangent_frame;

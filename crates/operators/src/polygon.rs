@@ -16,7 +16,6 @@
 //!
 //! [bunge2020]: https://doi.org/10.1111/cgf.13931
 
-use crate::power_of_two::power_of_two;
 use fairing_mesh::PolygonMesh;
 use fairing_sparse::SparseMatrix;
 use glam::DVec3;
@@ -106,11 +105,7 @@ impl Local {
         let k = corners.len();
         // About the mean of the corners, for precision far from the origin.
         let mean = corners.iter().sum::<DVec3>() * (1.0 / k as f64);
-        // At a size whose fourth powers are floats, by a power of two, which
-        // rounds nothing.
-        let reach = corners.iter().fold(0.0, |m: f64, &p| m.max((p - mean).abs().max_element()));
-        let unit = if reach > 0.0 { power_of_two(reach) } else { 1.0 };
-        let x: Vec<DVec3> = corners.iter().map(|&p| (p - mean) / unit).collect();
+        let x: Vec<DVec3> = corners.iter().map(|&p| p - mean).collect();
         let weights = affine_weights(&x, least_squared_areas(&x)?)?;
         let centre: DVec3 = x.iter().zip(&weights).map(|(&p, &w)| w * p).sum();
 
@@ -147,8 +142,7 @@ impl Local {
                 })
                 .collect()
         };
-        let mass = condense(&a).into_iter().map(|m| m * unit * unit).collect();
-        Some(Self { stiffness: condense(&s), mass })
+        Some(Self { stiffness: condense(&s), mass: condense(&a) })
     }
 }
 

@@ -20,8 +20,8 @@ pub use engine::constraints::{Boundary, Constraints, SoftConstraint};
 pub use engine::diffusion::{Diffusion, Time};
 pub use engine::error::{FlowError, FlowFailure};
 pub use engine::outcome::{Approach, Report, Smoothed};
-pub use engine::stability::{Stability, largest_eigenvalue, stable_limit};
-pub use engine::step::{Observer, Step};
+pub use engine::response::{Stability, largest_eigenvalue, stable_limit};
+
 pub use engine::updated::Update;
 pub use engine::volume::Volume;
 pub use flows::conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
@@ -29,8 +29,9 @@ pub use flows::explicit::{Explicit, explicit};
 pub use flows::hc::{Hc, hc};
 pub use flows::implicit::{Implicit, implicit};
 pub use flows::low_pass::{LowPass, Transfer, low_pass};
-pub use flows::patches::repair_fair;
-pub use flows::region::{FairRegion, fair_region};
+
+pub use engine::run::{Observer, Step};
+pub use flows::region::{FairRegion, fair_region, repair_fair};
 pub use flows::scale_dependent::{ScaleDependent, scale_dependent};
 pub use flows::taubin::{Taubin, taubin};
 pub use flows::windowed_sinc::{Window, WindowedSinc, windowed_sinc};

@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 
 use crate::engine::error::FlowError;
 use crate::engine::outcome::Smoothed;
-use crate::engine::step::Observer;
+use crate::engine::run::Observer;
 use crate::flows::conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
 use crate::flows::explicit::{Explicit, explicit};
 use crate::flows::hc::{Hc, hc};

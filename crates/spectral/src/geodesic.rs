@@ -1,7 +1,6 @@
 //! Geodesic distance by the heat method.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::power_of_two;
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::{ParameterError, Range};
 use fairing_sparse::{
@@ -110,7 +109,7 @@ impl HeatGeodesics {
         // Masses and times in a unit that makes the mean mass about one, so that heat does not
         // overflow. A power of four is exact, even in square roots.
         let mean = mass.lumped().iter().sum::<f64>() / mesh.vertex_count().max(1) as f64;
-        let unit = power_of_two(mean.sqrt()).powi(2);
+        let unit = libm::exp2(2.0 * (0.5 * libm::log2(mean.max(f64::MIN_POSITIVE))).floor());
         let times = match time {
             Some(time) => vec![time / unit; components],
             None => {

@@ -10,14 +10,12 @@ mod network;
 mod offset;
 mod parts;
 mod planes;
-mod relabel;
 mod safety;
 mod spikes;
 mod stage;
 mod state;
 mod surface;
 pub mod training;
-mod uneven;
 mod wide;
 
 use fairing_mesh::TriMesh;
@@ -25,23 +23,21 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 
 use crate::faces::{FaceLists, Hinges};
+use crate::masked::on_oriented;
 use crate::noise_level::{NoiseEstimate, noisy_parts};
-use crate::oriented::on_oriented;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
 use correlation::variance_of_means;
-use follow::Follow;
+use follow::{Follow, relabel};
 use model::Model;
 use offset::in_the_middle;
 use parts::Part;
 use planes::{Evidence, flatten};
-use relabel::relabel;
-use safety::without_flips;
+use safety::{uneven_parts, without_flips};
 use spikes::without_spikes;
 use stage::{advance, blocks};
 use state::{FAR, State};
 use surface::face_kinds;
-use uneven::uneven_parts;
 
 pub use surface::FaceKind;
 

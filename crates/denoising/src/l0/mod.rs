@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::faces::{FaceShapes, Hinge, Hinges};
-use crate::oriented::on_oriented;
+use crate::masked::on_oriented;
 use crate::{DenoiseError, Masked};
 use stencils::{Stencils, combine};
 use system::System;

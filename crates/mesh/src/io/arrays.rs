@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::io::NumberType;
 use crate::io::fields::Columns;
-use crate::io::ply::layout::{COLORS, component_names, vector_name};
+use crate::io::ply::columns::{COLORS, component_names, vector_name};
 
 /// The most numbers per element of an array that become fields.
 pub(crate) const MAX_COMPONENTS: usize = 16;

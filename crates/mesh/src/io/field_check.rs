@@ -3,7 +3,7 @@
 use crate::TriMesh;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
-use crate::io::ply::layout::{Column, Layout, face_names, field_names, vertex_names};
+use crate::io::ply::columns::{Column, Layout, face_names, field_names, vertex_names};
 use crate::io::surface::{Faces, Surface};
 use crate::io::{FaceFields, Format, NumberType, VertexFields};
 

@@ -77,7 +77,6 @@ mod triangulate;
 mod vtp;
 #[cfg(feature = "files")]
 mod whole;
-mod width;
 mod write;
 mod xyz;
 

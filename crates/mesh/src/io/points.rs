@@ -4,7 +4,7 @@ use crate::io::NumberType;
 use crate::io::arrays::{NamedArray, columns};
 use crate::io::error::{ReadProblem, unexpected};
 use crate::io::parsed::Parsed;
-use crate::io::ply::layout::{Column, Layout};
+use crate::io::ply::columns::{Column, Layout};
 
 /// Positions from the columns `x`, `y` and `z`, and fields from the others, grouped by name as
 /// the properties of PLY.

@@ -10,7 +10,7 @@ use crate::io::error::{Fault, WriteProblem, unexpected};
 use crate::io::number;
 use crate::io::number::put_triple;
 use crate::io::parsed::{Broken, Parsed, check_finite};
-use crate::io::ply::layout::{COLORS, vertex_names};
+use crate::io::ply::columns::{COLORS, vertex_names};
 use crate::io::points::of_columns;
 use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, lines};

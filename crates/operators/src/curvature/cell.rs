@@ -1,11 +1,10 @@
 //! Sums over the faces of a vertex, gathered in one pass.
 
-use crate::power_of_two::power_of_two;
+use std::f64::consts::{PI, TAU};
+
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
-
-use std::f64::consts::{PI, TAU};
 
 use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
@@ -156,6 +155,16 @@ impl Turns {
     }
 }
 
+/// The largest power of two that is a normal number and at most `x`, or the smallest normal number.
+/// Multiplication and division by it do not round.
+///
+/// `x` must be positive and finite.
+#[inline]
+fn power_of_two(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(x.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,5 +189,13 @@ mod tests {
             turns.add((-2.0, 0.0));
             assert_eq!(turns.sum(), PI * f64::from(count));
         }
+    }
+
+    #[test]
+    fn powers_of_two_are_below() {
+        for (x, unit) in [(1.0, 1.0), (1.99, 1.0), (0.3, 0.25), (1e-320, f64::MIN_POSITIVE)] {
+            assert_eq!(power_of_two(x), unit);
+        }
+        assert_eq!(power_of_two(f64::MAX), 2f64.powi(1023));
     }
 }

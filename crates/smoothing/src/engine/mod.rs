@@ -17,7 +17,5 @@ pub(crate) mod response;
 pub(crate) mod run;
 pub(crate) mod series;
 pub(crate) mod sliding;
-pub(crate) mod stability;
-pub(crate) mod step;
 pub(crate) mod updated;
 pub(crate) mod volume;

@@ -10,8 +10,8 @@ use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, Time};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::Smoothed;
+use crate::engine::run::{Observer, Step};
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::step::{Observer, Step};
 use crate::engine::updated::{Update, advance_updated};
 
 fairing_parameters::options! {

@@ -10,9 +10,9 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
+use crate::engine::response::{Stability, measured_limit, uniform_limit};
+use crate::engine::run::Observer;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::stability::{Stability, measured_limit, uniform_limit};
-use crate::engine::step::Observer;
 use crate::engine::volume::Volume;
 
 fairing_parameters::options! {

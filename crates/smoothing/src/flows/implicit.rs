@@ -10,8 +10,8 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
+use crate::engine::run::Observer;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::step::Observer;
 use crate::engine::updated::{Update, advance_updated};
 use crate::engine::volume::Volume;
 

@@ -5,7 +5,6 @@ pub(crate) mod explicit;
 pub(crate) mod hc;
 pub(crate) mod implicit;
 pub(crate) mod low_pass;
-pub(crate) mod patches;
 pub(crate) mod region;
 pub(crate) mod scale_dependent;
 pub(crate) mod taubin;

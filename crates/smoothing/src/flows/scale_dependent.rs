@@ -9,8 +9,8 @@ use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::Smoothed;
+use crate::engine::run::Observer;
 use crate::engine::run::{Run, RunSettings, StepNote};
-use crate::engine::step::Observer;
 
 fairing_parameters::options! {
     /// Options of [`scale_dependent`].

@@ -9,9 +9,9 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
+use crate::engine::response::Stability;
+use crate::engine::run::Observer;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::stability::Stability;
-use crate::engine::step::Observer;
 
 const MU: &str = "mu";
 

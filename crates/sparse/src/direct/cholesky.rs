@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use ndarray::ArrayView2;
 
-use crate::direct::analysis::Analysis;
 use crate::direct::backend::{self, TooLarge};
+use crate::direct::factor::Analysis;
 use crate::direct::factor::Factor;
 use crate::direct::ldlt::Ldlt;
 use crate::direct::multifrontal;

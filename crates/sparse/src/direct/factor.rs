@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ndarray::{ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use crate::direct::analysis::Analysis;
+use crate::direct::supernodes::Supernodes;
 use crate::direct::sweeps;
 
 /// Right-hand sides of a block that are solved in one sweep.
@@ -95,4 +95,14 @@ impl<const B: usize> Permuted<B> {
             scatter(row as usize, x);
         }
     }
+}
+
+/// Everything about a factor except its values.
+#[derive(Debug)]
+pub(crate) struct Analysis {
+    pub(crate) nodes: Supernodes,
+    /// `order[k]`: the row of the matrix that is eliminated k-th.
+    pub(crate) order: Vec<u32>,
+    pub(crate) starts: Vec<u32>,
+    pub(crate) columns: Vec<u32>,
 }

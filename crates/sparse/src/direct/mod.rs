@@ -3,7 +3,6 @@
 //!
 //! Only [`backend`] names the solver backend.
 
-mod analysis;
 pub(crate) mod backend;
 pub(crate) mod cholesky;
 mod dense;

@@ -5,12 +5,12 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
+use crate::io::column::width_of;
 use crate::io::error::WriteProblem;
 use crate::io::glb::color::to_linear;
 use crate::io::glb::document::{BINARY, JSON, MAGIC, NAME, POINTS, TRIANGLES};
 use crate::io::number_type::NumberType;
 use crate::io::surface::{Encoded, Surface, lines};
-use crate::io::width::width_of;
 use crate::io::{FloatWidth, WriteOptions};
 
 /// Targets of arrays: vertices, and the corners of faces.

@@ -9,7 +9,6 @@ mod assemble;
 mod color;
 mod document;
 mod encode;
-mod primitive;
 mod scene;
 
 use crate::io::glb::document::{MAGIC, NAME};

@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
+use crate::io::column::width_of;
 use crate::io::column::{Column, columns, rows};
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::pcd::header::{NAME, PADDING, is_packed};
-use crate::io::ply::layout::vertex_names;
+use crate::io::ply::columns::vertex_names;
 use crate::io::surface::{Encoded, Surface, lines};
-use crate::io::width::width_of;
 use crate::io::{Encoding, NumberType, VertexFields, WriteOptions};
 
 pub(super) fn encode(

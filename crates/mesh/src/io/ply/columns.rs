@@ -1,12 +1,11 @@
-//! The scalar properties of an element as fields.
+//! Properties of an element as positions, fields and colours, grouped by their names.
 
 use std::collections::BTreeMap;
 
-use crate::io::NumberType;
-use crate::io::fields::Columns;
+use crate::io::fields::{Attributes, Columns};
 use crate::io::ply::header::{Element, Kind};
-use crate::io::ply::layout::{Column, Layout};
 use crate::io::ply::source::Rows;
+use crate::io::{FaceFields, NumberType, VertexFields};
 
 /// The types and the grouping of the scalar properties of an element.
 pub(super) struct Scalars {
@@ -111,4 +110,150 @@ impl Scalars {
 pub(super) fn triples(values: &[Vec<f64>], [a, b, c]: [usize; 3]) -> Vec<[f64; 3]> {
     let (a, b, c) = (&values[a], &values[b], &values[c]);
     a.iter().zip(b).zip(c).map(|((&a, &b), &c)| [a, b, c]).collect()
+}
+
+/// The name of the format.
+pub(super) const NAME: &str = "PLY";
+
+/// The name and type of a property.
+pub(crate) struct Column<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) is_byte: bool,
+}
+
+/// The columns of positions, colours and fields.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Layout {
+    pub(crate) position: Option<[usize; 3]>,
+    pub(crate) colors: Option<[usize; 3]>,
+    pub(crate) vectors: Vec<(String, [usize; 3])>,
+    pub(crate) scalars: Vec<(String, usize)>,
+}
+
+impl Layout {
+    /// Groups columns by name: `x`, `y`, `z`; `red`, `green`, `blue` if they
+    /// are bytes; `nx`, `ny`, `nz` are the vector `normal`, and `name_x`,
+    /// `name_y`, `name_z` the vector `name`, if adjacent and in this order. All
+    /// others are scalars. Reader and writer share the rule, so that fields are
+    /// read back as they were written.
+    pub(crate) fn of_vertices(columns: &[Column<'_>]) -> Self {
+        Self::new(columns, true)
+    }
+
+    /// [`of_vertices`](Self::of_vertices) for faces, which have no position.
+    pub(crate) fn of_faces(columns: &[Column<'_>]) -> Self {
+        Self::new(columns, false)
+    }
+
+    fn new(columns: &[Column<'_>], positions: bool) -> Self {
+        let find = |name: &str| columns.iter().position(|column| column.name == name);
+        let all = |names: [&str; 3]| {
+            let [a, b, c] = names.map(find);
+            Some([a?, b?, c?])
+        };
+        let position = all(["x", "y", "z"]).filter(|_| positions);
+        let bytes = |three: &[usize; 3]| three.iter().all(|&k| columns[k].is_byte);
+        let colors = all(COLORS).filter(bytes);
+        let mut layout = Self { position, colors, vectors: vec![], scalars: vec![] };
+        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
+        let mut k = 0;
+        while k < columns.len() {
+            let taken = [position, colors].iter().flatten().flatten().any(|&p| p == k);
+            if taken {
+                k += 1;
+            } else if let Some(name) = vector_name(&names[k..])
+                && !layout.vectors.iter().any(|(other, _)| *other == name)
+            {
+                layout.vectors.push((name, [k, k + 1, k + 2]));
+                k += 3;
+            } else {
+                layout.scalars.push((columns[k].name.to_owned(), k));
+                k += 1;
+            }
+        }
+        layout
+    }
+}
+
+/// The names of the properties of colours.
+pub(crate) const COLORS: [&str; 3] = ["red", "green", "blue"];
+
+/// The name of the vector whose components have the first three names, if they are one.
+pub(crate) fn vector_name(names: &[&str]) -> Option<String> {
+    let &[x, y, z, ..] = names else { return None };
+    if [x, y, z] == ["nx", "ny", "nz"] {
+        return Some("normal".to_owned());
+    }
+    let stem = x.strip_suffix("_x").filter(|stem| !stem.is_empty())?;
+    let same = y.strip_suffix("_y") == Some(stem) && z.strip_suffix("_z") == Some(stem);
+    same.then(|| stem.to_owned())
+}
+
+/// The property names of a vector field.
+pub(crate) fn component_names(vector: &str) -> [String; 3] {
+    if vector == "normal" {
+        ["nx", "ny", "nz"].map(str::to_owned)
+    } else {
+        ["x", "y", "z"].map(|axis| format!("{vector}_{axis}"))
+    }
+}
+
+/// The names of the vertex properties of a PLY file, in the order of the encoder:
+/// position, scalars, vectors, colours.
+pub(crate) fn vertex_names(fields: &VertexFields) -> Vec<String> {
+    let mut names = ["x", "y", "z"].map(str::to_owned).to_vec();
+    names.extend(field_names(fields.into()));
+    names
+}
+
+/// The name of the list that holds the texture coordinates of the corners of a face.
+pub(crate) const TEXTURE: &str = "texcoord";
+
+/// The names of the lists that hold the corners of a face.
+pub(crate) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// The names of the face properties of a PLY file, in the order of the encoder: corners,
+/// texture coordinates, scalars, vectors, colours.
+pub(crate) fn face_names(fields: &FaceFields) -> Vec<String> {
+    let mut names = INDICES.map(str::to_owned).to_vec();
+    names.extend(fields.texture.iter().map(|_| TEXTURE.to_owned()));
+    names.extend(field_names(fields.into()));
+    names
+}
+
+/// The names of the properties of fields.
+pub(crate) fn field_names(fields: Attributes<'_>) -> Vec<String> {
+    let mut names: Vec<String> = fields.scalars.iter().map(|(name, _)| name.clone()).collect();
+    names.extend(fields.vectors.iter().flat_map(|(name, _)| component_names(name)));
+    if fields.colors.is_some() {
+        names.extend(COLORS.map(str::to_owned));
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(names: &str) -> Layout {
+        let columns: Vec<_> =
+            names.split(' ').map(|name| Column { name, is_byte: name != "blue" }).collect();
+        Layout::of_vertices(&columns)
+    }
+
+    #[test]
+    fn components_that_stand_together_are_vectors() {
+        let found = layout("q z y x nx ny nz a_x a_y a_z b_x b_z b_y");
+        assert_eq!(found.position, Some([3, 2, 1]));
+        assert_eq!(found.vectors, [("normal".into(), [4, 5, 6]), ("a".into(), [7, 8, 9])]);
+        let scalars: Vec<_> = found.scalars.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(scalars, ["q", "b_x", "b_z", "b_y"]);
+    }
+
+    #[test]
+    fn colours_are_bytes() {
+        let found = layout("x y z red green blue");
+        assert_eq!(found.colors, None);
+        assert_eq!(found.scalars.len(), 3);
+    }
 }

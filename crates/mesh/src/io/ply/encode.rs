@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
+use crate::io::column::width_of;
 use crate::io::column::{Column, columns, put_text, rows};
 use crate::io::error::WriteProblem;
 use crate::io::number::put_integer;
+use crate::io::ply::columns::{INDICES, NAME, TEXTURE, field_names, vertex_names};
 use crate::io::ply::header::name_of;
-use crate::io::ply::layout::{INDICES, NAME, TEXTURE, field_names, vertex_names};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
-use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
 /// Texture coordinates, their type, and the place of the first corner of each face.

@@ -4,11 +4,10 @@
 //! vertices and faces become fields, which keep their types; faces are the lists `vertex_indices`
 //! (or `vertex_index`) of the element `face`, or the strips of `tristrips`.
 
-mod columns;
+pub(crate) mod columns;
 mod encode;
 mod faces;
 mod header;
-pub(crate) mod layout;
 mod source;
 mod vertices;
 
@@ -21,7 +20,7 @@ use header::{Body, Element, Header, Kind};
 use source::{AsciiSource, BinarySource, Source};
 
 pub(super) const FORMAT: Row = Row {
-    name: layout::NAME,
+    name: columns::NAME,
     extensions: &["ply"],
     looks_like,
     parse,

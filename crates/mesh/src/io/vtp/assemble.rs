@@ -5,7 +5,7 @@ use crate::io::arrays::{MAX_COMPONENTS, NamedArray, columns};
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, check_finite, strip_triangles};
-use crate::io::ply::layout::{INDICES, TEXTURE};
+use crate::io::ply::columns::{INDICES, TEXTURE};
 use crate::io::vtp::data::Decoder;
 use crate::io::vtp::document::{self, Array, ArrayType, COLORS, Document, Piece, Section};
 use crate::polygon::Polygons;

@@ -4,12 +4,12 @@ use std::collections::HashSet;
 
 use quick_xml::escape::escape;
 
+use crate::io::column::width_of;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
 use crate::io::surface::{Encoded, Faces, Surface, lines};
 use crate::io::vtp::document::{COLORS, NAME};
-use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
 /// The numbers of an array.
