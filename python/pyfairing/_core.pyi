@@ -173,7 +173,9 @@ def smooth(
 ) -> tuple[Mesh, dict[str, Any]]: ...
 def denoise(
     mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call
-) -> tuple[Mesh, tuple[list[float] | None, str, str | None, int] | None]: ...
+) -> tuple[
+    Mesh, tuple[list[float] | None, str, str | None, float | None, int] | None
+]: ...
 def noise(
     mesh: Mesh,
     sigma: float,

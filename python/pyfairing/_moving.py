@@ -299,7 +299,9 @@ class Moving(Base):
             `correlation_length` and `wide_sigma` (None if there are too few vertices), `surface`:
             `creased`, `smooth`, `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
             `total-generalised-variation` for strong noise that is correlated over several
-            edges, like that of a depth camera, or None if nothing was moved. Parts with faces as
+            edges, like that of a depth camera, or None if nothing was moved. `expected_error` is the
+            expected mean angle between the normals of faces and the true ones in degrees, to a
+            factor of two in most cases; None if `networks` denoised no part. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
             that turn against the rest of their part are flipped for the computation, with a
             `FairingWarning`.
@@ -319,7 +321,7 @@ class Moving(Base):
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        noise, surface, approach, uneven = found
+        noise, surface, approach, error, uneven = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
@@ -327,7 +329,7 @@ class Moving(Base):
             )
         names = ("sigma", "correlation_length", "wide_sigma")
         report |= dict(zip(names, noise or (None, None, None)))
-        report |= {"surface": surface, "approach": approach}
+        report |= {"surface": surface, "approach": approach, "expected_error": error}
         return self._moved(core, report)
 
     @documented

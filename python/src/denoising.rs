@@ -9,8 +9,9 @@ use crate::options::{Named, borrowed};
 use crate::run::Call;
 
 /// The report of the automatic method: σ̂, correlation length and level at that length, if
-/// measured; the kind of surface, the approach, and the number of vertices on uneven parts.
-type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, usize);
+/// measured; the kind of surface, the approach, the expected error of normals in degrees, and the
+/// number of vertices on uneven parts.
+type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, Option<f64>, usize);
 
 /// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
@@ -43,6 +44,7 @@ fn denoise(
                 noise,
                 found.kind.name(),
                 found.approach.map(Approach::name),
+                found.expected_error,
                 found.uneven_vertices,
             )),
         ))

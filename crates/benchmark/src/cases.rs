@@ -2,8 +2,9 @@
 
 use crate::families::{Family, Set, Triangulation};
 use anyhow::Result;
-use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_evaluation::{NoiseKind, NoiseLevel, Scan, ScanOptions, add_noise, scan};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 /// A model with noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +15,10 @@ pub struct Case {
     pub triangulation: Triangulation,
     /// The approximate number of faces.
     pub faces: usize,
-    /// The kind of noise.
+    /// The pixels along the sides of the depth image of the model that gets the noise; `None` for
+    /// the model itself.
+    pub pixels: Option<[u32; 2]>,
+    /// The kind of noise; the camera is that of the depth image.
     pub noise: NoiseKind,
     /// The noise level, in mean edge lengths.
     pub level: f64,
@@ -26,7 +30,10 @@ impl Case {
     /// Its name in tables: family, triangulation, noise and level, and the number
     /// of faces of large ones.
     pub fn name(&self) -> String {
-        let Self { family, triangulation, faces, noise, level, .. } = self;
+        let Self { family, triangulation, faces, pixels, noise, level, .. } = self;
+        if pixels.is_some() {
+            return format!("{family} scan {noise} {level}");
+        }
         let size = match faces {
             0..FACES => unreachable!("no case has fewer faces than {FACES}"),
             &FACES => String::new(),
@@ -43,10 +50,41 @@ impl Case {
     /// The truth, and the noisy mesh with the same faces.
     pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
         let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
+        let (truth, noise) = match self.pixels {
+            None => (truth, self.noise),
+            Some(pixels) => {
+                let Scan { mesh, camera, .. } = view(&truth, pixels, self.seed)?;
+                (mesh, self.noise.with_camera(camera).unwrap_or(self.noise))
+            }
+        };
         let level = NoiseLevel::EdgeLengths(self.level);
-        let noisy = add_noise(&truth, self.noise, level, self.seed)?;
+        let noisy = add_noise(&truth, noise, level, self.seed)?;
         Ok((truth, noisy))
     }
+}
+
+/// The depth image of a model from a random direction, of an open one from above, three diagonals
+/// away.
+fn view(model: &TriMesh, size: [u32; 2], seed: u64) -> Result<Scan> {
+    let draw = |salt: u64| unit(seed.wrapping_mul(41).wrapping_add(salt));
+    let z = match model.topology().is_closed() {
+        true => 2.0 * draw(1) - 1.0,
+        false => 0.5 + 0.5 * draw(1),
+    };
+    let (flat, turn) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * draw(2));
+    let toward = DVec3::new(flat * libm::cos(turn), flat * libm::sin(turn), z);
+    let [low, high] = model.bounding_box().unwrap_or_default().map(DVec3::from);
+    let camera = 0.5 * (low + high) + 3.0 * model.diagonal() * toward;
+    let options = ScanOptions { camera: Some(camera.to_array()), size, ..ScanOptions::default() };
+    Ok(scan(model, &options)?)
+}
+
+/// Uniform in [0, 1), by a hash (splitmix64).
+pub(crate) fn unit(index: u64) -> f64 {
+    let mut x = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((x ^ (x >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
 }
 
 /// The number of faces of most cases.
@@ -79,13 +117,38 @@ pub fn cases() -> Vec<Case> {
             for (k, (triangulation, noise, levels)) in PLAN.into_iter().enumerate() {
                 let seed = 100 * (family as u64 + 1) + k as u64;
                 let level = levels[(i + k) % levels.len()];
-                cases.push(Case { family, triangulation, faces: FACES, noise, level, seed });
+                let (faces, pixels) = (FACES, None);
+                cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
             }
         }
     }
     for (k, (family, triangulation, noise, level)) in LARGE.into_iter().enumerate() {
         let seed = 10_000 + k as u64;
-        cases.push(Case { family, triangulation, faces: 20_000, noise, level, seed });
+        let (faces, pixels) = (20_000, None);
+        cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
+    }
+    cases
+}
+
+/// The noise of scans: that of a depth camera, at a level like the first Kinect's, and noise that
+/// is correlated over two edges.
+const SENSORS: [(NoiseKind, f64); 2] = [
+    (NoiseKind::DepthCamera { camera: None, length: 5.0 }, 0.67),
+    (NoiseKind::Correlated { length: 2.0 }, 0.2),
+];
+
+/// One view of a model of each family with each of these, set by set.
+pub fn scans() -> Vec<Case> {
+    let mut cases = vec![];
+    for set in Set::ALL {
+        for family in Family::ALL.iter().copied().filter(|f| f.set() == set) {
+            for (k, (noise, level)) in SENSORS.into_iter().enumerate() {
+                let seed = 20_000 + 10 * (family as u64 + 1) + k as u64;
+                let triangulation = Triangulation::Regular;
+                let (faces, pixels) = (20_000, Some([110, 82]));
+                cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
+            }
+        }
     }
     cases
 }
@@ -116,6 +179,23 @@ mod tests {
         }
         for family in Family::ALL {
             assert!(all.iter().filter(|c| c.family == *family).count() >= 7, "{family}");
+        }
+    }
+
+    /// One view of each model with each noise, of the level that the name says.
+    #[test]
+    fn scans_are_seen_and_noisy() {
+        let all = scans();
+        let names: BTreeSet<String> = all.iter().map(Case::name).collect();
+        assert_eq!((all.len(), names.len()), (68, 68));
+        for case in all.iter().step_by(11) {
+            let (truth, noisy) = case.meshes().unwrap();
+            assert_eq!(truth.faces(), noisy.faces());
+            assert!(truth.face_count() > 4000, "{}: {}", case.name(), truth.face_count());
+            let pairs = truth.positions().iter().zip(noisy.positions());
+            let sum: f64 = pairs.map(|(&p, &q)| DVec3::from(p).distance_squared(q.into())).sum();
+            let level = (sum / truth.vertex_count() as f64).sqrt() / truth.mean_edge_length();
+            assert!((level / case.level - 1.0).abs() < 0.1, "{}: {level}", case.name());
         }
     }
 }

@@ -40,6 +40,10 @@ pub(crate) struct Choice {
     /// Only one set of families: development, unseen or fresh
     #[arg(long, value_name = "SET")]
     pub(crate) set: Option<Set>,
+    /// Views of models with the noise of a depth camera and with correlated noise, in place of the
+    /// cases
+    #[arg(long)]
+    pub(crate) scans: bool,
     /// Only cases whose name contains one of these texts
     #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
     pub(crate) filter: Vec<String>,
@@ -69,7 +73,7 @@ pub(crate) struct Measure {
     pub(crate) csv: Option<PathBuf>,
     /// Keep the results of the automatic denoiser on all cases in docs/reference/automatic.csv, for
     /// the experiment "denoisers"
-    #[arg(long, conflicts_with_all = ["set", "filter", "denoiser", "csv"])]
+    #[arg(long, conflicts_with_all = ["set", "scans", "filter", "denoiser", "csv"])]
     pub(crate) accept: bool,
     /// Write the true, noisy and denoised meshes into this folder
     #[arg(long, value_name = "DIR")]

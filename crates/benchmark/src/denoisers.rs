@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use fairing_benchmark::{
     Case, Found, Method, Pair, Published, Set, Summary, TrainingOptions, cases, denoiser, found,
-    is_pair, pairs, summary, train_normals, training_pairs, tuned, written,
+    is_pair, pairs, scans, summary, train_normals, training_pairs, tuned, written,
 };
 use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
@@ -86,14 +86,16 @@ impl Choice {
     }
 
     fn cases(&self) -> Vec<Case> {
-        let mut all = cases();
+        let mut all = if self.scans { scans() } else { cases() };
         all.retain(|c| self.set.is_none_or(|s| c.set() == s) && self.has(&c.name()));
         all
     }
 
     /// The pairs of the literature, which belong to no set.
     fn pairs(&self, folder: Option<PathBuf>) -> Result<Vec<Pair>> {
-        let Some(folder) = folder.or_else(meshes_folder).filter(|_| self.set.is_none()) else {
+        let Some(folder) =
+            folder.or_else(meshes_folder).filter(|_| self.set.is_none() && !self.scans)
+        else {
             return Ok(vec![]);
         };
         let (mut found, absent) = pairs(&folder)?;

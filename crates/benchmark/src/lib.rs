@@ -22,7 +22,7 @@ mod table;
 mod training;
 mod tune;
 
-pub use cases::{Case, cases};
+pub use cases::{Case, cases, scans};
 pub use families::{Family, Set, Triangulation};
 pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{Pair, is_pair, pairs};

@@ -19,9 +19,9 @@ const MAX_RING: usize = 4096;
 /// The least number of stencils for a level.
 const MIN_COUNT: usize = 32;
 
-/// The least growth of the level of correlated noise, from neighbours to stencils of one edge and
-/// of two. Independent noise stays below both.
-const MIN_GROWTH: [f64; 2] = [1.25, 1.5];
+/// The least growth of the level of correlated noise, from neighbours to stencils of one edge, and
+/// to those of two. Independent noise stays below one of them.
+const MIN_GROWTH: f64 = 1.25;
 
 /// The largest growth of the level of correlated noise, from neighbours to stencils of one edge,
 /// from those to stencils of two, and from those to stencils of four. A surface without noise
@@ -49,11 +49,11 @@ pub(crate) fn correlated_over(
     }
     let level = |scale| level_at(mesh, scale, &inside);
     let one = level(1)?;
-    if !(MIN_GROWTH[0]..=LARGEST_GROWTH[0]).contains(&(one / near)) {
+    if !(MIN_GROWTH..=LARGEST_GROWTH[0]).contains(&(one / near)) {
         return None;
     }
     let two = level(2)?;
-    if two < MIN_GROWTH[1] * near || two > LARGEST_GROWTH[1] * one {
+    if two < MIN_GROWTH * near || two > LARGEST_GROWTH[1] * one {
         return None;
     }
     let four = level(4).filter(|&four| four <= LARGEST_GROWTH[2] * two)?;

@@ -40,6 +40,7 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         "noise": found.noise.as_ref().map(serde_json::to_value).transpose()?,
         "kind": found.kind.name(),
         "approach": found.approach.map(Approach::name),
+        "expected_error": found.expected_error,
         "uneven_vertices": found.uneven_vertices,
         "displacement_limit": found.limit,
     });

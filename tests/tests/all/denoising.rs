@@ -372,3 +372,24 @@ fn noise_does_not_make_a_mesh_uneven() {
         }
     }
 }
+
+/// On shapes that nothing was trained on, the expected error of normals is within a factor of two
+/// of the actual one. None is expected where no network ran.
+#[test]
+fn the_error_left_is_expected() {
+    let shapes = [
+        ("ellipsoid", shapes::ellipsoid([1.0, 0.8, 0.6], 4)),
+        ("helicoid", shapes::helicoid(&shapes::HelicoidOptions::default())),
+        ("flower", shapes::flower(0.03, 1)),
+    ];
+    for (name, truth) in shapes {
+        for level in [0.1, 0.3] {
+            let result = automatic(&noisy(&truth, level), &AutomaticOptions::default()).unwrap();
+            let (actual, expected) = (error(&result.mesh, &truth), result.expected_error.unwrap());
+            let ratio = expected / actual;
+            assert!((0.5..2.0).contains(&ratio), "{name} {level}: {actual}°, expected {expected}°");
+        }
+    }
+    let clean = automatic(&shapes::cube(20, shapes::Diagonals::Regular), &Default::default());
+    assert_eq!(clean.unwrap().expected_error, None);
+}

@@ -8,6 +8,7 @@ use fairing_shapes as shapes;
 use rayon::prelude::*;
 
 use super::TrainingPair;
+use crate::cases::unit;
 use crate::families::{Family, RandomModel, Set, Triangulation, warped};
 
 /// The kinds of noise, and the largest level of each.
@@ -114,12 +115,4 @@ fn shape(k: usize, [t, u]: [f64; 2], seed: u64) -> TriMesh {
             )
         }
     }
-}
-
-/// Uniform in [0, 1), by a hash (splitmix64).
-fn unit(index: u64) -> f64 {
-    let mut x = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((x ^ (x >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
 }

@@ -24,6 +24,8 @@ struct Answer {
     anchor: DVec3,
     /// As in [`Seen`]; `None` without a normal.
     residuals: Option<[f64; 2]>,
+    /// The root mean square distance of the answers of the networks from their mean.
+    apart: f64,
 }
 
 /// Replaces each normal by the mean of the answers of the networks, and lets the surface follow.
@@ -37,6 +39,8 @@ pub fn advance(state: &mut State<'_>, networks: &[Network]) -> Result<(), Denois
         .filter(|(_, face)| face.iter().any(|&v| !state.input.is_fixed(v as usize)))
         .filter_map(|(answer, _)| answer.residuals)
         .collect();
+    let apart: f64 = answers.iter().map(|answer| answer.apart).sum();
+    state.apart = apart / answers.len().max(1) as f64;
     (state.normals, state.anchors) = answers.into_iter().map(|a| (a.normal, a.anchor)).unzip();
     let sigma = state.sigma;
     state.follow()?;
@@ -69,7 +73,12 @@ fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
                     let answers = answer(&seen, &parts, traces);
                     found.extend(answers.into_iter().zip(faces).map(|(answer, f)| {
                         let anchor = state.current.centroids[f];
-                        answer.unwrap_or(Answer { normal: DVec3::ZERO, anchor, residuals: None })
+                        answer.unwrap_or(Answer {
+                            normal: DVec3::ZERO,
+                            anchor,
+                            residuals: None,
+                            apart: 0.0,
+                        })
                     }));
                 }
                 found
@@ -100,7 +109,10 @@ fn answer(
         let seen = seen[k].as_ref()?;
         let [a, b, c] = seen.frame;
         let normal = (sums[k].x * a + sums[k].y * b + sums[k].z * c).normalize_or_zero();
-        Some(Answer { normal, anchor: seen.anchor, residuals: Some(seen.residuals) })
+        // Of unit vectors, whose mean square is one.
+        let mean = sums[k] / networks.len() as f64;
+        let apart = (1.0 - mean.length_squared()).max(0.0).sqrt();
+        Some(Answer { normal, anchor: seen.anchor, residuals: Some(seen.residuals), apart })
     })
 }
 

@@ -65,6 +65,9 @@ pub struct State<'a> {
     pub(super) trust: Vec<f64>,
     /// The finite scales of differences between normals.
     pub(super) ranges: [f64; RANGES - 1],
+    /// The mean over all faces of the root mean square distance of the answers of the networks from
+    /// their mean; zero before the first stage.
+    pub(super) apart: f64,
     /// log₂ of quantiles over all faces of the residuals of local fits over σ; zero before the
     /// first stage. Correlated noise has no face with small ones; details leave some.
     pub(super) quantiles: [f64; QUANTILES],
@@ -104,6 +107,7 @@ impl<'a> State<'a> {
             vertex_trust: vec![1.0; mesh.vertex_count()],
             trust: vec![1.0; mesh.face_count()],
             ranges: [0.0; 3],
+            apart: 0.0,
             quantiles: [0.0; QUANTILES],
             rings,
             noisy,

@@ -85,8 +85,14 @@ impl Denoise {
                 "--json and --table need the method automatic; {denoiser} estimates nothing"
             )));
         }
-        let columns =
-            ["noise.sigma", "noise.correlation_length", "kind", "approach", "uneven_vertices"];
+        let columns = [
+            "noise.sigma",
+            "noise.correlation_length",
+            "kind",
+            "approach",
+            "expected_error_degrees",
+            "uneven_vertices",
+        ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
             self.one(context, input, &denoiser)
         })
@@ -167,7 +173,10 @@ fn summary(result: &Automatic) -> String {
         }
         _ => String::new(),
     };
-    format!("noise of {} in units of the file{correlated}; {kind}", number(noise.sigma))
+    let expected = result
+        .expected_error
+        .map_or(String::new(), |error| format!("; expected mean error of normals {error:.1}°"));
+    format!("noise of {} in units of the file{correlated}; {kind}{expected}", number(noise.sigma))
 }
 
 /// The noise and the kind of surface as JSON.
@@ -191,6 +200,7 @@ fn as_json(result: &Automatic) -> Value {
         })),
         "kind": result.kind.name(),
         "approach": result.approach.map(Approach::name),
+        "expected_error_degrees": result.expected_error,
         "area_share": shares,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
