@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 
 use crate::engine::error::FlowError;
 use crate::engine::outcome::{Report, Smoothed};
-use crate::engine::step::Observer;
+use crate::engine::run::Observer;
 
 fairing_parameters::options! {
     /// Options of [`dummy`].
