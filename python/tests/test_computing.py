@@ -295,6 +295,7 @@ def test_noise_denoise_compare() -> None:
     assert 1.0 <= level.two_ring_ratio < 1.2
     clean = noisy.denoise()
     assert clean.report["surface"] == "creased"
+    assert 0.1 < clean.report["expected_error"] < 5.0
     assert all(
         clean.report[name] == getattr(level, name) for name in ("sigma", "correlation_length", "wide_sigma")
     )

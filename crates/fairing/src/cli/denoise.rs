@@ -90,7 +90,7 @@ impl Denoise {
             "noise.correlation_length",
             "kind",
             "approach",
-            "expected_error_degrees",
+            "expected_error",
             "uneven_vertices",
         ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
@@ -200,7 +200,7 @@ fn as_json(result: &Automatic) -> Value {
         })),
         "kind": result.kind.name(),
         "approach": result.approach.map(Approach::name),
-        "expected_error_degrees": result.expected_error,
+        "expected_error": result.expected_error,
         "area_share": shares,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
