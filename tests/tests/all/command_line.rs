@@ -244,7 +244,7 @@ fn denoise_says_what_it_found() {
     assert_eq!((&found["kind"], &found["border_vertices"]), (&json!("smooth"), &json!(0)));
     let sigma = found["noise"]["sigma"].as_f64().unwrap();
     assert!(found["displacement_limit"].as_f64().unwrap() >= 5.0 * sigma);
-    let shares = found["area_share"].as_object().unwrap();
+    let shares = found["area_fraction"].as_object().unwrap();
     let sum: f64 = shares.values().map(|x| x.as_f64().unwrap()).sum();
     assert!(shares.contains_key("creased") && (sum - 1.0).abs() < 1e-12, "{found}");
     let line = "denoise noisy.ply -o other.ply --method l0 --json";

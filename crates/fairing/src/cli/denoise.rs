@@ -201,7 +201,7 @@ fn as_json(result: &Automatic) -> Value {
         "kind": result.kind.name(),
         "approach": result.approach.map(Approach::name),
         "expected_error": result.expected_error,
-        "area_share": shares,
+        "area_fraction": shares,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
         "displacement_limit": result.limit,
