@@ -1,9 +1,10 @@
 //! Sums over the faces around a face.
 
+use glam::DVec3;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-use super::fits::{LocalFit, tangents};
+use super::fits::{LocalFit, Moments, moments, tangents};
 use super::state::{RANGES, State, similarities};
 use crate::faces::{Marks, NO_HINGE};
 
@@ -71,8 +72,8 @@ struct Group {
     alike: [Lanes; RANGES],
     /// The trust in positions.
     trust: Lanes,
-    /// The noisy centroids, along the axes of the face in the middle.
-    point: [Lanes; 3],
+    /// Those of the noisy centroids, along the axes of the face in the middle.
+    moments: [Moments; LANES],
 }
 
 /// The data of all faces that their neighbours sum, for one stage.
@@ -228,7 +229,7 @@ fn group(state: &State<'_>, f: usize, sorted: &[(u32, f64)], groups: &mut Vec<Gr
             near: [[0.0; LANES]; RADII.len()],
             alike: [[1.0; LANES]; RANGES],
             trust: [0.0; LANES],
-            point: [[0.0; LANES]; 3],
+            moments: [[0.0; 24]; LANES],
         };
         let mut offset = [[0.0; LANES]; 3];
         let mut apart = [[0.0; LANES]; 3];
@@ -264,10 +265,9 @@ fn group(state: &State<'_>, f: usize, sorted: &[(u32, f64)], groups: &mut Vec<Gr
                 near[l] = t * t;
             }
         }
-        for (x, e) in group.point.iter_mut().zip(axes) {
-            for l in 0..LANES {
-                x[l] = offset[0][l] * e.x + offset[1][l] * e.y + offset[2][l] * e.z;
-            }
+        for (l, of_point) in group.moments.iter_mut().enumerate() {
+            let along = |e: DVec3| offset[0][l] * e.x + offset[1][l] * e.y + offset[2][l] * e.z;
+            *of_point = moments(axes.map(along));
         }
         groups.push(group);
     }
@@ -299,13 +299,12 @@ fn weighted(groups: &[Group], radius: usize, terms: &[Terms]) -> ([Eight; RANGES
 /// The fit to the points of faces.
 #[inline(always)]
 fn fitted(groups: &[Group], radius: usize, range: usize) -> LocalFit {
-    let mut fit = LocalFit::<LANES>::EMPTY;
+    let mut fit = LocalFit::EMPTY;
     for group in groups {
-        let mut w = group.near[radius];
         for l in 0..LANES {
-            w[l] = w[l] * group.alike[range][l] * group.trust[l];
+            let w = group.near[radius][l] * group.alike[range][l] * group.trust[l];
+            fit.add(&group.moments[l], w);
         }
-        fit.add(group.point, w);
     }
-    fit.total()
+    fit
 }

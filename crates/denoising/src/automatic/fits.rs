@@ -7,6 +7,9 @@ use glam::DVec3;
 /// in x and y, the height z times the monomials of degrees 0 to 2, and z².
 const MOMENTS: usize = 22;
 
+/// The moments of a point, filled up with zeros to three of the widest vectors.
+pub(super) type Moments = [f64; 24];
+
 /// The index of the first monomial of each degree.
 const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
 
@@ -14,78 +17,66 @@ const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
 /// of a plane.
 const POWERS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// Sums of weighted moments: `L` of each, for as many points at a time.
-#[derive(Clone, Copy)]
-pub(super) struct LocalFit<const L: usize = 1>([[f64; L]; MOMENTS]);
-
-impl<const L: usize> LocalFit<L> {
-    pub(super) const EMPTY: Self = Self([[0.0; L]; MOMENTS]);
-
-    /// Adds weighted points, given by their coordinates. Each moment is a smaller one times a
-    /// coordinate.
-    #[inline(always)]
-    pub(super) fn add(&mut self, [x, y, z]: [[f64; L]; 3], w: [f64; L]) {
-        let sums = &mut self.0;
-        let mut sum = |k: usize, term: [f64; L]| {
-            for l in 0..L {
-                sums[k][l] += term[l];
-            }
-        };
-        sum(0, w);
-        let (wx, wy) = (times(w, x), times(w, y));
-        sum(1, wx);
-        sum(2, wy);
-        let (xx, xy, yy) = (times(wx, x), times(wx, y), times(wy, y));
-        sum(3, xx);
-        sum(4, xy);
-        sum(5, yy);
-        let [xxx, xxy] = [xx, xy].map(|m| times(m, x));
-        let [xyy, yyy] = [xy, yy].map(|m| times(m, y));
-        sum(6, xxx);
-        sum(7, xxy);
-        sum(8, xyy);
-        sum(9, yyy);
-        sum(10, times(xxx, x));
-        sum(11, times(xxy, x));
-        sum(12, times(xyy, x));
-        sum(13, times(xyy, y));
-        sum(14, times(yyy, y));
-        let wz = times(w, z);
-        sum(15, wz);
-        sum(16, times(wx, z));
-        sum(17, times(wy, z));
-        sum(18, times(xx, z));
-        sum(19, times(xy, z));
-        sum(20, times(yy, z));
-        sum(21, times(wz, z));
-    }
-
-    /// The sums over all points.
-    #[inline(always)]
-    pub(super) fn total(&self) -> LocalFit {
-        LocalFit(self.0.map(|sums| [sums.iter().sum()]))
-    }
-}
-
-/// The products of numbers.
+/// The moments of the point with the coordinates x, y and z.
 #[inline(always)]
-fn times<const L: usize>(mut a: [f64; L], b: [f64; L]) -> [f64; L] {
-    for l in 0..L {
-        a[l] *= b[l];
-    }
-    a
+pub(super) fn moments([x, y, z]: [f64; 3]) -> Moments {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    let (xxx, xxy, xyy, yyy) = (xx * x, xx * y, x * yy, yy * y);
+    let quartic = [xx * xx, xxx * y, xx * yy, x * yyy, yy * yy];
+    let [a, b, c, d, e] = quartic;
+    let (xz, yz) = (x * z, y * z);
+    [
+        1.0,
+        x,
+        y,
+        xx,
+        xy,
+        yy,
+        xxx,
+        xxy,
+        xyy,
+        yyy,
+        a,
+        b,
+        c,
+        d,
+        e,
+        z,
+        xz,
+        yz,
+        x * xz,
+        x * yz,
+        y * yz,
+        z * z,
+        0.0,
+        0.0,
+    ]
 }
+
+/// Sums of weighted [`moments`].
+#[derive(Clone, Copy)]
+pub(super) struct LocalFit(Moments);
 
 impl LocalFit {
+    pub(super) const EMPTY: Self = Self([0.0; 24]);
+
+    /// Adds a point of the weight `w`, given by its moments.
+    #[inline(always)]
+    pub(super) fn add(&mut self, moments: &Moments, w: f64) {
+        for (sum, moment) in self.0.iter_mut().zip(moments) {
+            *sum += w * moment;
+        }
+    }
+
     /// The normal equations of the first `N` unknowns.
     fn equations<const N: usize>(&self) -> NormalEquations<N> {
         let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
         for i in 0..N {
             for j in 0..=i {
                 let [x, y] = [0, 1].map(|k| POWERS[i][k] + POWERS[j][k]);
-                matrix[i][j] = self.0[DEGREES[x + y] + y][0];
+                matrix[i][j] = self.0[DEGREES[x + y] + y];
             }
-            rhs[i] = self.0[15 + i][0];
+            rhs[i] = self.0[15 + i];
         }
         NormalEquations::from_sums(matrix, rhs)
     }
@@ -94,13 +85,13 @@ impl LocalFit {
     pub(super) fn squares<const N: usize>(&self) -> Option<f64> {
         let equations = self.equations::<N>();
         let solution = equations.factor()?.solve(equations.rhs());
-        Some(self.residual(&solution, equations.rhs()).powi(2) * self.0[0][0])
+        Some(self.residual(&solution, equations.rhs()).powi(2) * self.0[0])
     }
 
     /// The root mean square residual of a solution.
     fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
         let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
-        ((self.0[MOMENTS - 1][0] - explained).max(0.0) / self.0[0][0]).sqrt()
+        ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
     }
 }
 
@@ -215,10 +206,10 @@ mod tests {
 
     /// The reading of a quadric known at 25 points.
     fn read(corners: [[f64; 2]; 3]) -> Reading {
-        let mut fit = LocalFit::<1>::EMPTY;
+        let mut fit = LocalFit::EMPTY;
         for i in 0..25u8 {
             let [x, y] = [i / 5, i % 5].map(|k| 0.4 * f64::from(k) - 0.7);
-            fit.add([[x], [y], [height([x, y])]], [1.0]);
+            fit.add(&moments([x, y, height([x, y])]), 1.0);
         }
         read_fit(&fit, UP, AXES, corners, 0.1)
     }

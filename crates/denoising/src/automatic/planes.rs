@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::fits::{LocalFit, tangents};
+use super::fits::{LocalFit, moments, tangents};
 use crate::faces::{Hinges, Marks};
 
 /// Faces whose normals differ by more are not joined: 20°.
@@ -337,13 +337,13 @@ impl Regions {
         let (centre, inverse) = (sums.centre(), 1.0 / sums.size());
         let (mut left, mut all) = (0.0, 0.0);
         for along in axes {
-            let mut fit = LocalFit::<1>::EMPTY;
+            let mut fit = LocalFit::EMPTY;
             let [mut first, mut second] = [0.0; 2];
             for &f in &self.faces[r] {
                 let [a, b, c] = evidence.corners(f as usize);
                 let p = inverse * ((a + b + c) * (1.0 / 3.0) - centre);
                 let z = normals[f as usize].dot(along);
-                fit.add([[p.dot(axes[0])], [p.dot(axes[1])], [z]], [1.0]);
+                fit.add(&moments([p.dot(axes[0]), p.dot(axes[1]), z]), 1.0);
                 (first, second) = (first + z, second + z * z);
             }
             left += fit.squares::<3>()?;
@@ -435,12 +435,12 @@ fn squares(
     let [x, y] = tangents(up);
     let centre = sums.centre();
     let inverse = 1.0 / sums.size();
-    let mut fit = LocalFit::<1>::EMPTY;
+    let mut fit = LocalFit::EMPTY;
     for f in faces {
         let w = evidence.trust[f as usize] / 6.0;
         for p in evidence.corners(f as usize) {
             let p = inverse * (p - centre);
-            fit.add([[p.dot(x)], [p.dot(y)], [p.dot(up)]], [w]);
+            fit.add(&moments([x, y, up].map(|axis| p.dot(axis))), w);
         }
     }
     let unit = 1.0 / (inverse * inverse);
