@@ -65,7 +65,7 @@ impl Case {
 
 /// The depth image of a model from a random direction, of an open one from above, three diagonals
 /// away.
-fn view(model: &TriMesh, size: [u32; 2], seed: u64) -> Result<Scan> {
+pub(crate) fn view(model: &TriMesh, size: [u32; 2], seed: u64) -> Result<Scan> {
     let draw = |salt: u64| unit(seed.wrapping_mul(41).wrapping_add(salt));
     let z = match model.topology().is_closed() {
         true => 2.0 * draw(1) - 1.0,

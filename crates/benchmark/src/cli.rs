@@ -29,6 +29,12 @@ pub(crate) enum Command {
     Measure(Measure),
     /// Train the networks of the automatic denoiser on generated models, and write their weights
     Train(Train),
+    /// Count where the denoiser finds the noise of a depth camera, on generated scans and models
+    Correlation {
+        /// Fit the weights of the test on the development set, and print them
+        #[arg(long)]
+        fit: bool,
+    },
     /// Time one task inside the process; `cargo xtask bench` does the same
     #[command(bin_name = "cargo xtask bench")]
     Bench(Bench),

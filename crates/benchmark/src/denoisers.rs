@@ -1,5 +1,6 @@
 //! Measuring, tuning and training of denoisers.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -7,8 +8,9 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use fairing_benchmark::{
-    Case, Found, Method, Pair, Published, Set, Summary, TrainingOptions, cases, denoiser, found,
-    is_pair, pairs, scans, summary, train_normals, training_pairs, tuned, written,
+    Case, Found, Method, Pair, Published, Set, Summary, TrainingOptions, cases, denoiser, fitted,
+    found, is_pair, pairs, scans, sightings, summary, train_normals, training_pairs, tuned,
+    written,
 };
 use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
@@ -38,6 +40,30 @@ fn meshes_folder() -> Option<PathBuf> {
 pub(crate) fn list(choice: &Choice) -> Result<()> {
     for case in choice.cases() {
         println!("{:<12} {}", case.set().to_string(), case.name());
+    }
+    Ok(())
+}
+
+/// Counts where the noise of a depth camera is found, or fits the test.
+pub(crate) fn correlation(fit: bool) -> Result<()> {
+    if fit {
+        for weight in fitted(&sightings(Set::Development)?)? {
+            println!("    {weight:.4},");
+        }
+        return Ok(());
+    }
+    let mut table: BTreeMap<String, [[usize; 2]; Set::ALL.len()]> = BTreeMap::new();
+    for (k, set) in Set::ALL.into_iter().enumerate() {
+        for seen in sightings(set)? {
+            let [found, all] = &mut table.entry(seen.kind.clone()).or_default()[k];
+            *found += usize::from(seen.is_found());
+            *all += 1;
+        }
+    }
+    println!("{:<24} {}", "found in", Set::ALL.map(|set| format!("{:>12}", set.name())).concat());
+    for (kind, counts) in table {
+        let counts = counts.map(|[found, all]| format!("{:>12}", format!("{found}/{all}")));
+        println!("{kind:<24} {}", counts.concat());
     }
     Ok(())
 }

@@ -14,6 +14,7 @@
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
 mod cases;
+mod correlation;
 pub mod families;
 mod measure;
 mod pairs;
@@ -23,6 +24,7 @@ mod training;
 mod tune;
 
 pub use cases::{Case, cases, scans};
+pub use correlation::{Sighting, fitted, sightings};
 pub use families::{Family, Set, Triangulation};
 pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{Pair, is_pair, pairs};

@@ -18,6 +18,7 @@ fn main() -> ExitCode {
         Command::Tune(options) => denoisers::tune(options),
         Command::Measure(options) => denoisers::measure(options),
         Command::Train(options) => denoisers::train(&options),
+        Command::Correlation { fit } => denoisers::correlation(fit),
         Command::Bench(options) => speed::run(options),
     };
     match result {

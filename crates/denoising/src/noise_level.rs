@@ -5,9 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Masked;
-use super::noise_scale::{
-    self, GAUSSIAN_MEDIAN, correlated_over, median, quadric_residual, residual,
-};
+use super::noise_scale::{self, GAUSSIAN_MEDIAN, Growth, median, quadric_residual, residual};
 use fairing_operators::tangent_frame;
 
 /// The least tail ratio of impulsive noise: Gaussian
@@ -76,11 +74,13 @@ pub struct NoiseEstimate {
     /// The level is measured again by comparing each vertex with a quadric through the vertices s
     /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the level `sigma` at all s,
     /// and a smooth or detailed surface about twice the level at twice the distance, or more. Noise
-    /// of sensors is in between: the length is 4 if the level is 1.25 to 4 `sigma` at s = 1, at
-    /// least 1.5 `sigma` at s = 2, and grows by at most 1.9 from s = 1 to 2 and by at most 2 to
-    /// s = 4; it is 8 if it then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part
-    /// looks like shape and is not found; noise on faces stretched to three times their height is
-    /// not looked for.
+    /// of depth cameras is in between. The growth from each scale to the next, `tail_ratio`,
+    /// `low_ratio` and `correlation` decide, by a polynomial of second degree whose coefficients a
+    /// logistic regression has chosen on generated scans; the level at s = 4 must exceed a tenth of
+    /// the mean edge length. The length is 8 if the level grows by 1.2 to 2 from s = 4 to 8, else
+    /// 4. Smooth noise without a rough part looks like shape and is not found. Correlation is not
+    /// looked for on closed parts, which no camera sees at once, on faces stretched to three times
+    /// their height, and on fewer than a few hundred vertices.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.
@@ -204,8 +204,11 @@ pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
         let sigma = group.level.sigma * group.level.two_ring_ratio;
         if sigma > 0.0 {
             group.level.correlation = correlation(mesh, &residuals, sigma, inside);
-            if let Some((length, level)) = correlated_over(mesh, group.level.sigma, inside) {
-                (group.level.correlation_length, group.level.wide_sigma) = (length, level);
+            let NoiseEstimate { sigma, tail_ratio, low_ratio, correlation, .. } = group.level;
+            let growth = Growth::new(mesh, sigma, [tail_ratio, low_ratio, correlation], inside);
+            if let Some(growth) = growth.filter(Growth::is_correlated) {
+                (group.level.correlation_length, group.level.wide_sigma) =
+                    growth.length_and_level();
             }
         }
     }

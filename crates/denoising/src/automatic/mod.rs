@@ -25,6 +25,7 @@ use glam::DVec3;
 use crate::faces::{FaceLists, Hinges};
 use crate::masked::on_oriented;
 use crate::noise_level::{NoiseEstimate, noisy_parts};
+use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
 use correlation::variance_of_means;
@@ -47,17 +48,22 @@ const MIN_NOISE: f64 = 1e-7;
 /// Vertex steps of the final surface.
 const STEPS: usize = 60;
 
-/// The level of correlated noise above which it is strong, in mean edge lengths.
-const STRONG: f64 = 0.25;
+/// The weight of total generalised variation over the noise level at two edges. The best of 1.4 to
+/// 6.2 on scans of the models of the development set by a depth camera.
+const WEIGHT: f64 = 3.2;
 
-/// The weight of total generalised variation, in mean edge lengths. The best of 0.5, 0.7, 1 and 1.4
-/// on scans of twelve models of the development set by a depth camera.
-const WEIGHT: f64 = 0.7;
+/// The expected error of the networks, in degrees, above which they may have taken correlated noise
+/// for shape. The best of 0, 1, 1.5, 2, 2.5 and 3 on scans and models of the development set.
+const MISTAKEN: f64 = 2.0;
 
 /// The factor and the power by which the disagreement of the networks of the last stage predicts
 /// the mean angle between normals and truth, in degrees: a fit of logarithms on the development
 /// set.
 const EXPECTED: (f64, f64) = (1640.0, 1.13);
+
+/// The same for total generalised variation, from the noise level at two edges in mean edge lengths:
+/// a fit on scans of the models of the development set by a depth camera.
+const EXPECTED_FILTERED: (f64, f64) = (19.3, 0.73);
 
 /// The kind of surface of a whole mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,8 +147,8 @@ pub enum Approach {
     /// Networks on the neighbourhood of each face, for noise that is independent from vertex to
     /// vertex, or nearly so.
     Networks,
-    /// [`total_generalised_variation`](crate::total_generalised_variation), for strong noise that
-    /// is correlated over several edges, like that of a depth camera.
+    /// [`total_generalised_variation`](crate::total_generalised_variation), for noise that is
+    /// correlated over several edges, like that of a depth camera.
     TotalGeneralisedVariation,
 }
 
@@ -173,10 +179,10 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// If all candidates agree, so does the new normal: planes stay planes.
 ///
 /// Noise that is correlated over several edges ([`NoiseEstimate::correlation_length`]), as that of
-/// depth cameras, passes for shape between neighbours. If its level at that length is above a
-/// quarter of an edge, the normals are those of
-/// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 0.7 mean
-/// edge lengths ([`Automatic::approach`]).
+/// depth cameras, passes for shape between neighbours. Where it is found, and the networks expect to
+/// leave more than 2°, the normals are those of
+/// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 3.2 times
+/// the noise level at two edges ([`Automatic::approach`]).
 ///
 /// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
 /// one vertex in a hundred is a spike: farther from that plane than 15 σ̂, than a quarter of an
@@ -188,7 +194,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
-/// exceeds both their least height and σ̂. On such a face an error of 3° in the normal displaces
+/// exceeds both their least height and the noise. On such a face an error of 3° in the normal displaces
 /// the far end by more than the noise, and folds neighbouring faces.
 ///
 /// Each connected part is then offset so that its noisy vertices lie evenly on both sides; a closed
@@ -307,19 +313,22 @@ fn denoise(
         return Ok(Denoised::clean(mesh.into_owned(), farthest));
     }
     let input = input.on(&mesh);
-    let approach = approach_to(level, mesh.mean_edge_length());
+    let h = mesh.mean_edge_length();
+    let two = level_at_scale(&mesh, 2).unwrap_or(level.wide_sigma) / h;
     level.sigma *= strength;
     level.wide_sigma *= strength;
-    let Normals { normals, sigma, limit, expected_error } = match approach {
-        Approach::Networks => regressed(input, level)?,
-        Approach::TotalGeneralisedVariation => {
-            let weight = WEIGHT * strength;
-            let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
-            let sigma = level.wide_sigma;
-            let normals = filtered_normals(&mesh, &options)?;
-            Normals { normals, sigma, limit: FAR * sigma, expected_error: None }
-        }
-    };
+    let mut approach = Approach::Networks;
+    let mut normals = regressed(input, level)?;
+    if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
+        approach = Approach::TotalGeneralisedVariation;
+        let weight = WEIGHT * strength * two;
+        let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
+        let sigma = level.wide_sigma;
+        let filtered = filtered_normals(&mesh, &options)?;
+        let expected_error = Some(EXPECTED_FILTERED.0 * libm::pow(two, EXPECTED_FILTERED.1));
+        normals = Normals { normals: filtered, sigma, limit: FAR * sigma, expected_error };
+    }
+    let Normals { normals, sigma, limit, expected_error } = normals;
     // Faces on the wrong side of a crease change sides, and the surface follows to the end.
     fairing_watch::stage("positions", 0);
     let rings = FaceLists::rings(&mesh);
@@ -362,14 +371,6 @@ fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, Denoise
     let expected_error = Some(EXPECTED.0 * libm::pow(state.apart, EXPECTED.1));
     let (sigma, limit) = (state.limit / FAR, state.limit);
     Ok(Normals { normals: state.normals, sigma, limit, expected_error })
-}
-
-/// The way in which noise of a level is denoised, for the mean edge length `h`.
-fn approach_to(level: NoiseEstimate, h: f64) -> Approach {
-    match level.correlation_length > 0.0 && level.wide_sigma > STRONG * h {
-        true => Approach::TotalGeneralisedVariation,
-        false => Approach::Networks,
-    }
 }
 
 /// Returns `true` if the noise of a mesh is rounding.

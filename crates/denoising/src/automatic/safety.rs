@@ -95,7 +95,7 @@ pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
     let parts = mesh.topology().components();
     let mut noise = vec![0.0; parts.count()];
     for group in groups {
-        group.components.iter().for_each(|&part| noise[part as usize] = group.level.sigma);
+        group.components.iter().for_each(|&part| noise[part as usize] = group.level.wide_sigma);
     }
     let mut counts = vec![[0usize; 2]; parts.count()];
     for (v, (side, low)) in longest.into_iter().zip(lowest).enumerate() {

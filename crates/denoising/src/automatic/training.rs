@@ -1,5 +1,5 @@
 //! Internals of the denoiser for the crate that trains it: the state between stages, and the
-//! networks. Not part of the public interface.
+//! networks; and what tells the noise of depth cameras. Not part of the public interface.
 
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
 pub use super::model::Model;
@@ -8,3 +8,4 @@ pub use super::network::{
 };
 pub use super::stage::{advance, samples};
 pub use super::state::State;
+pub use crate::noise_scale::{Growth, TERMS};
