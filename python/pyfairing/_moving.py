@@ -298,10 +298,10 @@ class Moving(Base):
             The same faces. For `automatic`, `Mesh.report` has the noise of `noise_level`: `sigma`,
             `correlation_length` and `wide_sigma` (None if there are too few vertices), `surface`:
             `creased`, `smooth`, `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
-            `total-generalised-variation` for strong noise that is correlated over several
+            `total-generalised-variation` for noise that is correlated over several
             edges, like that of a depth camera, or None if nothing was moved. `expected_error` is the
             expected mean angle between the normals of faces and the true ones in degrees, to a
-            factor of two in most cases; None if `networks` denoised no part. Parts with faces as
+            factor of two in most cases; None if nothing was moved. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
             that turn against the rest of their part are flipped for the computation, with a
             `FairingWarning`.

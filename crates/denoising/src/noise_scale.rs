@@ -282,7 +282,7 @@ mod tests {
     use super::*;
 
     /// A plane of `n` by `n` squares with the heights that `noise` returns.
-    fn plane(n: usize, mut noise: impl FnMut() -> f64) -> TriMesh {
+    fn plane(n: u32, mut noise: impl FnMut() -> f64) -> TriMesh {
         let flat = shapes::plane(n, n, shapes::Diagonals::Regular);
         let lifted = flat.positions().iter().map(|&[x, y, _]| [x, y, noise()]).collect();
         flat.with_positions(lifted).unwrap()
