@@ -118,8 +118,8 @@ fn of_model(family: Family, k: u64) -> Result<Vec<Sighting>> {
     Ok(all)
 }
 
-/// The weights of the test that are most likely, by logistic regression with a small ridge: Newton's
-/// method on the logarithm of the likelihood.
+/// The weights of the test that are most likely, by logistic regression with a small ridge:
+/// Newton's method on the logarithm of the likelihood.
 pub fn fitted(all: &[Sighting]) -> Result<[f64; TERMS]> {
     let rows: Vec<([f64; TERMS], f64)> = (all.iter())
         .filter_map(|seen| Some((seen.growth?.terms(), f64::from(u8::from(seen.is_camera)))))

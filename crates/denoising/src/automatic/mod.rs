@@ -61,8 +61,8 @@ const MISTAKEN: f64 = 2.0;
 /// set.
 const EXPECTED: (f64, f64) = (1640.0, 1.13);
 
-/// The same for total generalised variation, from the noise level at two edges in mean edge lengths:
-/// a fit on scans of the models of the development set by a depth camera.
+/// The same for total generalised variation, from the noise level at two edges in mean edge
+/// lengths: a fit on scans of the models of the development set by a depth camera.
 const EXPECTED_FILTERED: (f64, f64) = (19.3, 0.73);
 
 /// The kind of surface of a whole mesh.
@@ -180,8 +180,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// If all candidates agree, so does the new normal: planes stay planes.
 ///
 /// Noise that is correlated over several edges ([`NoiseEstimate::correlation_length`]), as that of
-/// depth cameras, passes for shape between neighbours. Where it is found, and the networks expect to
-/// leave more than 2°, the normals are those of
+/// depth cameras, passes for shape between neighbours. Where it is found, and the networks expect
+/// to leave more than 2°, the normals are those of
 /// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 3.2 times
 /// the noise level at two edges ([`Automatic::approach`]).
 ///
@@ -195,8 +195,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
-/// exceeds both their least height and the noise. On such a face an error of 3° in the normal displaces
-/// the far end by more than the noise, and folds neighbouring faces.
+/// exceeds both their least height and the noise. On such a face an error of 3° in the normal
+/// displaces the far end by more than the noise, and folds neighbouring faces.
 ///
 /// Each connected part is then offset so that its noisy vertices lie evenly on both sides; a closed
 /// part keeps its volume.
