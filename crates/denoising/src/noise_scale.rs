@@ -295,7 +295,7 @@ mod tests {
         let mut sum = || (0..12).map(|_| rng.random::<f64>() - 0.5).sum::<f64>();
         let mesh = plane(90, || 1e-3 * sum());
         assert!((1500..2500).contains(&chosen(&mesh, |_| true).len()));
-        assert_eq!(chosen(&mesh, |v| v % 9 == 0).len(), 91 * 91_usize.div_ceil(9));
+        assert_eq!(chosen(&mesh, |v| v % 9 == 0).len(), (91usize * 91).div_ceil(9));
         for scale in [1, 2, 4, 8] {
             let level = level_at_scale(&mesh, scale).unwrap();
             assert!((level - 1e-3).abs() < 1e-4, "{scale}: {level}");

@@ -106,8 +106,8 @@ pub struct Automatic {
     pub limit: f64,
     /// The way in which the noisiest of the moved parts were denoised; `None` if nothing was moved.
     pub approach: Option<Approach>,
-    /// The expected mean angle between the normals of the moved faces and the true ones, in degrees;
-    /// `None` if nothing was moved. For [networks](Approach::Networks) it follows from how far two
+    /// The expected mean angle between the normals of the moved faces and the true ones, in
+    /// degrees; `None` if nothing was moved. For [networks](Approach::Networks) it follows from how far two
     /// of different random start disagree, so it does not see what both overlook: in 140 of the
     /// 156 benchmark cases that were not used for the fit it was within a factor of two of the
     /// actual angle. For total generalised variation it follows from the noise level at two edges,
