@@ -204,15 +204,23 @@ pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
         let sigma = group.level.sigma * group.level.two_ring_ratio;
         if sigma > 0.0 {
             group.level.correlation = correlation(mesh, &residuals, sigma, inside);
-            let NoiseEstimate { sigma, tail_ratio, low_ratio, correlation, .. } = group.level;
-            let growth = Growth::new(mesh, sigma, [tail_ratio, low_ratio, correlation], inside);
-            if let Some(growth) = growth.filter(Growth::is_correlated) {
-                (group.level.correlation_length, group.level.wide_sigma) =
-                    growth.length_and_level();
-            }
+            find_waves(mesh, &mut group.level, inside);
         }
     }
     groups
+}
+
+/// Sets the length and the level of correlated noise. On closed surfaces it is not looked for.
+fn find_waves(mesh: &TriMesh, level: &mut NoiseEstimate, inside: impl Fn(u32) -> bool + Sync) {
+    let on_border = mesh.topology().boundary_vertices();
+    if !(0..mesh.vertex_count()).any(|v| on_border[v] && inside(v as u32)) {
+        return;
+    }
+    let shape = [level.tail_ratio, level.low_ratio, level.correlation];
+    let growth = Growth::new(mesh, level.sigma, shape, inside);
+    if let Some(growth) = growth.filter(Growth::is_correlated) {
+        (level.correlation_length, level.wide_sigma) = growth.length_and_level();
+    }
 }
 
 /// The absolute values of the residuals of each fit.

@@ -314,14 +314,14 @@ fn denoise(
         return Ok(Denoised::clean(mesh.into_owned(), farthest));
     }
     let input = input.on(&mesh);
-    let h = mesh.mean_edge_length();
-    let two = level_at_scale(&mesh, 2).unwrap_or(level.wide_sigma) / h;
     level.sigma *= strength;
     level.wide_sigma *= strength;
     let mut approach = Approach::Networks;
     let mut normals = regressed(input, level)?;
     if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
         approach = Approach::TotalGeneralisedVariation;
+        let two = level_at_scale(&mesh, 2).unwrap_or(level.wide_sigma / strength);
+        let two = two / mesh.mean_edge_length();
         let weight = WEIGHT * strength * two;
         let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
         let sigma = level.wide_sigma;
