@@ -23,7 +23,7 @@ const MIN_COUNT: usize = 32;
 const SAMPLES: f64 = 2048.0;
 
 /// The largest growth of the level from one edge to two and from two to four. Noise of depth
-/// cameras grows by less than five on all scans of the development set.
+/// cameras grows by at most 5.3 on the scans of the development set.
 const LARGEST_GROWTH: f64 = 6.0;
 
 /// The least level at four edges, in mean edge lengths.
@@ -51,8 +51,8 @@ const WEIGHTS: [f64; TERMS] = [
     -2.5311, -0.8889, 0.3325,
 ];
 
-/// The least sum of the weighted terms, in log-odds. Of 0 to 2 in steps of a quarter the largest
-/// with the least loss on the development set, each family left out of the fit in turn.
+/// The least sum of the weighted terms, in log-odds. Of seven values from 0 to 2 the largest with
+/// the least loss on the development set, each family left out of the fit in turn.
 const LEAST_SCORE: f64 = 1.25;
 
 /// The growth of the noise level with the scale.
