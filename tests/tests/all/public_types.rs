@@ -275,7 +275,8 @@ fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
 }
 
 /// Types that only the benchmark of denoisers uses, through hidden modules.
-const HIDDEN: [&str; 11] = [
+const HIDDEN: [&str; 12] = [
+    "Growth",
     "Layer",
     "Model",
     "Network",
