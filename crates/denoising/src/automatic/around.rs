@@ -17,7 +17,7 @@ pub(super) const RADII: [f64; 3] = [1.5, 3.0, 5.0];
 /// thousands of faces.
 const DEPTH: usize = 15;
 
-/// The radius and the range of each local fit.
+/// The radius and the range of each local fit. Those of one radius are summed together.
 pub(super) const FITS: [(usize, usize); 5] = [(1, 1), (2, 1), (2, 0), (1, 3), (2, 3)];
 
 /// Faces that are weighed together.
@@ -183,9 +183,9 @@ impl NullaryFnOnce for Summing<'_, '_> {
             (sums.means[radius], sums.others[radius]) =
                 weighted(within(radius), radius, &around.terms);
         }
-        for (fit, (radius, range)) in sums.fits.iter_mut().zip(FITS) {
-            *fit = fitted(within(radius), radius, range);
-        }
+        [sums.fits[0], sums.fits[3]] = fitted(within(1), 1, [FITS[0].1, FITS[3].1]);
+        [sums.fits[1], sums.fits[2], sums.fits[4]] =
+            fitted(within(2), 2, [FITS[1].1, FITS[2].1, FITS[4].1]);
         sums
     }
 }
@@ -296,15 +296,17 @@ fn weighted(groups: &[Group], radius: usize, terms: &[Terms]) -> ([Eight; RANGES
     (means, others)
 }
 
-/// The fit to the points of faces.
+/// The fits to the points of faces, one for each range.
 #[inline(always)]
-fn fitted(groups: &[Group], radius: usize, range: usize) -> LocalFit {
-    let mut fit = LocalFit::EMPTY;
+fn fitted<const N: usize>(groups: &[Group], radius: usize, ranges: [usize; N]) -> [LocalFit; N] {
+    let mut fits = [LocalFit::EMPTY; N];
     for group in groups {
         for l in 0..LANES {
-            let w = group.near[radius][l] * group.alike[range][l] * group.trust[l];
-            fit.add(&group.moments[l], w);
+            for (fit, range) in fits.iter_mut().zip(ranges) {
+                let w = group.near[radius][l] * group.alike[range][l] * group.trust[l];
+                fit.add(&group.moments[l], w);
+            }
         }
     }
-    fit
+    fits
 }

@@ -327,12 +327,12 @@ fn denoise(
         let sigma = level.wide_sigma;
         let filtered = filtered_normals(&mesh, &options)?;
         let expected_error = Some(EXPECTED_FILTERED.0 * libm::pow(two, EXPECTED_FILTERED.1));
-        normals = Normals { normals: filtered, sigma, limit: FAR * sigma, expected_error };
+        normals =
+            Normals { normals: filtered, sigma, limit: FAR * sigma, expected_error, ..normals };
     }
-    let Normals { normals, sigma, limit, expected_error } = normals;
+    let Normals { normals, rings, sigma, limit, expected_error } = normals;
     // Faces on the wrong side of a crease change sides, and the surface follows to the end.
     fairing_watch::stage("positions", 0);
-    let rings = FaceLists::rings(&mesh);
     let follow = Follow::new(&mesh, &rings, sigma, limit);
     let normals = relabel(&mesh, &rings, normals, &follow)?;
     let follow = follow.with_fixed(input);
@@ -347,6 +347,8 @@ fn denoise(
 /// The normals of a surface without noise.
 struct Normals {
     normals: Vec<DVec3>,
+    /// The faces around each.
+    rings: FaceLists,
     /// The noise level, and the largest displacement, as the distance of the surface from the noisy
     /// mesh shows them.
     sigma: f64,
@@ -371,7 +373,7 @@ fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, Denoise
     flatten(&evidence, &mut state.normals);
     let expected_error = Some(EXPECTED.0 * libm::pow(state.apart, EXPECTED.1));
     let (sigma, limit) = (state.limit / FAR, state.limit);
-    Ok(Normals { normals: state.normals, sigma, limit, expected_error })
+    Ok(Normals { normals: state.normals, rings: state.rings, sigma, limit, expected_error })
 }
 
 /// Returns `true` if the noise of a mesh is rounding.
