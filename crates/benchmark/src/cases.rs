@@ -130,11 +130,12 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// The noise of scans: that of a depth camera, at a level like the first Kinect's, and noise that
-/// is correlated over two edges.
-const SENSORS: [(NoiseKind, f64); 2] = [
+/// The noise of scans: that of a depth camera, at a level like the first Kinect's, noise that is
+/// correlated over two edges, and the waves of fused views.
+const SENSORS: [(NoiseKind, f64); 3] = [
     (NoiseKind::DepthCamera { camera: None, length: 5.0 }, 0.67),
     (NoiseKind::Correlated { length: 2.0 }, 0.2),
+    (NoiseKind::Fused { length: 8.0 }, 0.5),
 ];
 
 /// One view of a model of each family with each of these, set by set.
@@ -187,7 +188,7 @@ mod tests {
     fn scans_are_seen_and_noisy() {
         let all = scans();
         let names: BTreeSet<String> = all.iter().map(Case::name).collect();
-        assert_eq!((all.len(), names.len()), (68, 68));
+        assert_eq!((all.len(), names.len()), (102, 102));
         for case in all.iter().step_by(11) {
             let (truth, noisy) = case.meshes().unwrap();
             assert_eq!(truth.faces(), noisy.faces());

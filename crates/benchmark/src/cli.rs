@@ -46,8 +46,8 @@ pub(crate) struct Choice {
     /// Only one set of families: development, unseen or fresh
     #[arg(long, value_name = "SET")]
     pub(crate) set: Option<Set>,
-    /// Views of models with the noise of a depth camera and with correlated noise, in place of the
-    /// cases
+    /// Views of models with the noise of a depth camera, with correlated noise and with the waves
+    /// of fused views, in place of the cases
     #[arg(long)]
     pub(crate) scans: bool,
     /// Only cases whose name contains one of these texts
