@@ -196,7 +196,8 @@ fn guessed(values: &[f64], width: usize, notes: &mut Vec<String>) -> Vec<String>
     names
 }
 
-/// Lines of `x y z`, or of all fields below a line of their names.
+/// Lines of `x y z`, or of all fields below a line of their names. A first line that could be the
+/// three counts of OFF gets a decimal point.
 fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
     let Surface { positions, fields, .. } = surface;
     let columns = columns(NAME, fields.into(), FloatWidth::Double)?;
@@ -208,6 +209,10 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
         let start = text.len();
         put_triple(text, positions[v]);
         text.remove(start);
+        let is_count = |b: &u8| b.is_ascii_digit() || *b == b' ';
+        if v == 0 && text[start..].iter().all(is_count) {
+            text.extend_from_slice(b".0");
+        }
         columns.iter().for_each(|column| column.write(v, text));
         text.push(b'\n');
     }));
@@ -217,13 +222,26 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TriMesh;
     use crate::io::tests::read;
+    use crate::io::{Format, ReadOptions, VertexFields, read_bytes, to_bytes};
 
     fn message(text: &str) -> String {
         match parse(text.as_bytes(), Broken::Refused) {
             Ok(_) => panic!("{text:?} was read"),
             Err(fault) => format!("{}{}", fault.at, fault.problem),
         }
+    }
+
+    /// The first point of a file without names is told from counts; the others stay as they are.
+    #[test]
+    fn points_of_counts_are_known_by_content() {
+        let points = TriMesh::new(vec![[8.0, 6.0, 12.0], [1.0, 2.0, 3.0]], vec![]).unwrap();
+        let options = WriteOptions::default();
+        let bytes = to_bytes(Format::Xyz, &points, &VertexFields::default(), &options).unwrap();
+        assert_eq!(String::from_utf8_lossy(&bytes), "8 6 12.0\n1 2 3\n");
+        let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+        assert_eq!(file.mesh.positions(), points.positions());
     }
 
     #[test]
