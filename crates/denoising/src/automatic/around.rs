@@ -17,7 +17,7 @@ pub(super) const RADII: [f64; 3] = [1.5, 3.0, 5.0];
 /// thousands of faces.
 const DEPTH: usize = 15;
 
-/// The radius and the range of each local fit. Those of one radius are summed together.
+/// The radius and the range of each local fit.
 pub(super) const FITS: [(usize, usize); 5] = [(1, 1), (2, 1), (2, 0), (1, 3), (2, 3)];
 
 /// Faces that are weighed together.
@@ -183,7 +183,9 @@ impl NullaryFnOnce for Summing<'_, '_> {
             (sums.means[radius], sums.others[radius]) =
                 weighted(within(radius), radius, &around.terms);
         }
+        const { assert!(FITS[0].0 == 1 && FITS[3].0 == 1) };
         [sums.fits[0], sums.fits[3]] = fitted(within(1), 1, [FITS[0].1, FITS[3].1]);
+        const { assert!(FITS[1].0 == 2 && FITS[2].0 == 2 && FITS[4].0 == 2) };
         [sums.fits[1], sums.fits[2], sums.fits[4]] =
             fitted(within(2), 2, [FITS[1].1, FITS[2].1, FITS[4].1]);
         sums

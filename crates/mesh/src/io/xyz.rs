@@ -196,8 +196,8 @@ fn guessed(values: &[f64], width: usize, notes: &mut Vec<String>) -> Vec<String>
     names
 }
 
-/// Lines of `x y z`, or of all fields below a line of their names. A first line that could be the
-/// three counts of OFF gets a decimal point.
+/// Lines of `x y z`, or of all fields below a line of their names. Without names, a first line
+/// that could be the three counts of OFF gets a decimal point.
 fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
     let Surface { positions, fields, .. } = surface;
     let columns = columns(NAME, fields.into(), FloatWidth::Double)?;
@@ -210,7 +210,7 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
         put_triple(text, positions[v]);
         text.remove(start);
         let is_count = |b: &u8| b.is_ascii_digit() || *b == b' ';
-        if v == 0 && text[start..].iter().all(is_count) {
+        if v == 0 && columns.is_empty() && text[start..].iter().all(is_count) {
             text.extend_from_slice(b".0");
         }
         columns.iter().for_each(|column| column.write(v, text));
