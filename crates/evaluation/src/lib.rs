@@ -15,7 +15,6 @@ mod drift;
 mod error;
 mod features;
 mod hausdorff;
-mod hilbert;
 mod inside;
 mod intersections;
 mod noise;

@@ -12,12 +12,11 @@
 //!
 //! [kamel1993]: https://doi.org/10.1145/170088.170403
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{TriMesh, hilbert};
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
-use crate::hilbert::hilbert;
 use crate::triangle::{closest_point, squared_distance};
 
 /// Half the spacing of single-precision numbers around 1.

@@ -15,6 +15,7 @@ mod build;
 mod connectivity;
 mod convert;
 mod diagnosis;
+mod hilbert;
 mod incidence;
 #[cfg(feature = "io")]
 pub mod io;
@@ -31,6 +32,8 @@ mod weld;
 pub use build::{BuildError, EXTENTS};
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
+#[doc(hidden)]
+pub use hilbert::hilbert;
 pub use incidence::Incidence;
 #[doc(hidden)]
 #[cfg(feature = "ndarray")]

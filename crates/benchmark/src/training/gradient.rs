@@ -50,7 +50,7 @@ impl NullaryFnOnce for Descent<'_> {
         for batch in chunk.chunks(BATCH) {
             // The last lesson fills up the last batch.
             let lesson = |k: usize| &lessons[batch[k.min(batch.len() - 1)] as usize];
-            parts.run_inline(std::array::from_fn(|k| &lesson(k).sample), &mut traces);
+            parts.run(std::array::from_fn(|k| &lesson(k).sample), &mut traces);
             for (k, trace) in traces[..batch.len()].iter().enumerate() {
                 let mut outputs = [0.0f32; OUTPUTS];
                 let weight = weights[lesson(k).pair as usize];
@@ -160,7 +160,7 @@ mod tests {
             let mut traces: [Trace; BATCH] = Default::default();
             let mut sum = 0.0;
             for lesson in &lessons {
-                network.parts().run_inline([&lesson.sample; BATCH], &mut traces);
+                network.parts().run([&lesson.sample; BATCH], &mut traces);
                 let mut unused = [0.0; OUTPUTS];
                 let chord = loss_gradient(lesson, &traces[0].outputs, 1.0, &mut unused);
                 sum += f64::from((chord * chord + SMALL * SMALL).sqrt());

@@ -1,7 +1,6 @@
 //! Sums over the faces around a face.
 
 use glam::DVec3;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use super::fits::{LocalFit, Moments, moments, tangents};
@@ -115,14 +114,34 @@ impl<'a> Gatherer<'a> {
     }
 
     /// The sums around face `f`, which has a normal.
+    #[inline(always)]
     pub(super) fn sums(&mut self, f: usize) -> Sums {
         let count = self.gather(f);
-        pulp::Arch::new().dispatch(Summing { gatherer: self, face: f, count })
+        let Self { around, found, sorted, groups, .. } = self;
+        let ends = sort(&found[..count], sorted);
+        group(around.state, f, sorted, groups);
+        let within = |radius: usize| &groups[..ends[radius].div_ceil(LANES)];
+        let mut sums = Sums {
+            means: [[[0.0; 8]; RANGES]; RADII.len()],
+            others: [[0.0; 8]; RADII.len()],
+            fits: [LocalFit::EMPTY; FITS.len()],
+        };
+        for radius in 0..RADII.len() {
+            (sums.means[radius], sums.others[radius]) =
+                weighted(within(radius), radius, &around.terms);
+        }
+        const { assert!(FITS[0].0 == 1 && FITS[3].0 == 1) };
+        [sums.fits[0], sums.fits[3]] = fitted(within(1), 1, [FITS[0].1, FITS[3].1]);
+        const { assert!(FITS[1].0 == 2 && FITS[2].0 == 2 && FITS[4].0 == 2) };
+        [sums.fits[1], sums.fits[2], sums.fits[4]] =
+            fitted(within(2), 2, [FITS[1].1, FITS[2].1, FITS[4].1]);
+        sums
     }
 
     /// Finds the faces around `f` up to the largest radius and at most [`DEPTH`] hinges away,
     /// itself first, and returns their number. The set does not depend on the numbering of the
     /// faces. Nearly no branch depends on the data: a third of the faces are new, in no order.
+    #[inline(always)]
     fn gather(&mut self, f: usize) -> usize {
         let Self { around: Surroundings { state, .. }, marks, found, fresh, .. } = self;
         let centre = state.current.centroids[f];
@@ -153,42 +172,6 @@ impl<'a> Gatherer<'a> {
             }
         }
         end
-    }
-}
-
-/// The sums around a face, with the widest vectors of the processor. Multiplications and additions
-/// are not fused, and no sum is reordered: the bits are the same on all of them.
-struct Summing<'a, 'b> {
-    gatherer: &'b mut Gatherer<'a>,
-    face: usize,
-    count: usize,
-}
-
-impl NullaryFnOnce for Summing<'_, '_> {
-    type Output = Sums;
-
-    #[inline(always)]
-    fn call(self) -> Sums {
-        let Self { gatherer, face, count } = self;
-        let Gatherer { around, found, sorted, groups, .. } = gatherer;
-        let ends = sort(&found[..count], sorted);
-        group(around.state, face, sorted, groups);
-        let within = |radius: usize| &groups[..ends[radius].div_ceil(LANES)];
-        let mut sums = Sums {
-            means: [[[0.0; 8]; RANGES]; RADII.len()],
-            others: [[0.0; 8]; RADII.len()],
-            fits: [LocalFit::EMPTY; FITS.len()],
-        };
-        for radius in 0..RADII.len() {
-            (sums.means[radius], sums.others[radius]) =
-                weighted(within(radius), radius, &around.terms);
-        }
-        const { assert!(FITS[0].0 == 1 && FITS[3].0 == 1) };
-        [sums.fits[0], sums.fits[3]] = fitted(within(1), 1, [FITS[0].1, FITS[3].1]);
-        const { assert!(FITS[1].0 == 2 && FITS[2].0 == 2 && FITS[4].0 == 2) };
-        [sums.fits[1], sums.fits[2], sums.fits[4]] =
-            fitted(within(2), 2, [FITS[1].1, FITS[2].1, FITS[4].1]);
-        sums
     }
 }
 

@@ -72,6 +72,7 @@ struct Candidates {
 }
 
 impl Candidates {
+    #[inline(always)]
     fn new(
         state: &State<'_>,
         wide: &[Vec<DVec3>; WIDE],
@@ -105,6 +106,7 @@ impl Candidates {
 }
 
 /// The unit vector along `v`, or `other` where it has no length.
+#[inline(always)]
 fn unit_or(v: DVec3, other: DVec3) -> DVec3 {
     let unit = v.normalize_or_zero();
     if unit == DVec3::ZERO { other } else { unit }
@@ -112,6 +114,7 @@ fn unit_or(v: DVec3, other: DVec3) -> DVec3 {
 
 /// The numbers of the fits, the turns from the smooth surface to the flat face, and the point of
 /// the surface; the normals become candidates.
+#[inline(always)]
 fn read_fits(
     state: &State<'_>,
     f: usize,
@@ -143,6 +146,7 @@ fn read_fits(
 }
 
 /// The inputs at face `f`; `None` for a face without a present normal.
+#[inline(always)]
 pub(super) fn sample(
     gatherer: &mut Gatherer<'_>,
     wide: &[Vec<DVec3>; WIDE],
@@ -229,6 +233,7 @@ fn eigenvalues([a, b, c]: [f64; 3]) -> [f64; 2] {
 
 /// Axes that turn with the mesh: the directions in which normals vary most and
 /// least, and `up`. `far` has no negative component along the first two.
+#[inline(always)]
 fn frame(up: DVec3, tensor: [f64; 6], far: DVec3) -> [DVec3; 3] {
     let axes = tangents(up);
     let [a, b, c] = across(tensor, axes);
@@ -244,6 +249,7 @@ fn frame(up: DVec3, tensor: [f64; 6], far: DVec3) -> [DVec3; 3] {
     [facing(first), facing(second), up]
 }
 
+#[inline(always)]
 fn scalars(
     state: &State<'_>,
     f: usize,

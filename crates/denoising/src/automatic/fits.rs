@@ -69,6 +69,7 @@ impl LocalFit {
     }
 
     /// The normal equations of the first `N` unknowns.
+    #[inline(always)]
     fn equations<const N: usize>(&self) -> NormalEquations<N> {
         let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
         for i in 0..N {
@@ -89,6 +90,7 @@ impl LocalFit {
     }
 
     /// The root mean square residual of a solution.
+    #[inline(always)]
     fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
         let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
         ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
@@ -111,6 +113,7 @@ pub(super) struct Reading {
 
 /// Reads a fit: n and the axes are those of its points; the corners are those of the face at the
 /// origin, along both axes.
+#[inline(always)]
 pub(super) fn read_fit(
     fit: &LocalFit,
     n: DVec3,

@@ -1,7 +1,5 @@
 //! A small network that weighs candidates for a normal.
 
-use pulp::NullaryFnOnce;
-
 use super::features::{CANDIDATES, INPUTS, Sample};
 
 /// The units of each of the two hidden layers.
@@ -14,7 +12,7 @@ pub const OUTPUTS: usize = CANDIDATES + 2;
 pub const LEAK: f32 = 0.1;
 
 /// The samples that a network sees together: loads of its weights take time.
-pub const BATCH: usize = 4;
+pub const BATCH: usize = 6;
 
 /// The outputs of a layer whose sums are in registers together, for each of the samples.
 const COLUMNS: usize = 16;
@@ -116,15 +114,9 @@ impl Network {
 }
 
 impl Parts<'_> {
-    /// The outputs for samples, with the widest vectors of the processor. Multiplications and
-    /// additions are not fused, and no sum is reordered: the bits are the same on all of them.
-    pub(super) fn run(&self, samples: [&Sample; BATCH], traces: &mut [Trace; BATCH]) {
-        pulp::Arch::new().dispatch(Running { parts: self, samples, traces });
-    }
-
     /// The outputs for samples.
     #[inline(always)]
-    pub fn run_inline(&self, samples: [&Sample; BATCH], traces: &mut [Trace; BATCH]) {
+    pub fn run(&self, samples: [&Sample; BATCH], traces: &mut [Trace; BATCH]) {
         for (trace, sample) in traces.iter_mut().zip(samples) {
             let moved = sample.inputs.iter().zip(self.shift).zip(self.scale);
             for (x, ((&input, shift), scale)) in trace.inputs.iter_mut().zip(moved) {
@@ -139,22 +131,6 @@ impl Parts<'_> {
         traces.iter_mut().zip(sums).for_each(|(t, sums)| t.second = sums.map(leak));
         let sums = third.apply(traces.each_ref().map(|t| &t.second));
         traces.iter_mut().zip(sums).for_each(|(t, sums)| t.outputs = sums);
-    }
-}
-
-/// A call of [`Parts::run`].
-struct Running<'a> {
-    parts: &'a Parts<'a>,
-    samples: [&'a Sample; BATCH],
-    traces: &'a mut [Trace; BATCH],
-}
-
-impl NullaryFnOnce for Running<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.parts.run_inline(self.samples, self.traces);
     }
 }
 

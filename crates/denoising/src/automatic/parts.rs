@@ -1,54 +1,67 @@
-//! Some of the connected parts of a mesh as a mesh of its own, numbered so that neighbours are near
-//! in memory.
+//! A mesh, or some of its connected parts, numbered so that neighbours are near in memory.
 
 use std::borrow::Cow;
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{TriMesh, hilbert};
+use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::{DenoiseError, Masked};
 
-/// The distance between numbers of vertices beyond which their data are not loaded together.
-const FAR: u32 = 1 << 10;
-
-/// A mesh of some of the parts, with vertices and faces in their order unless that is scattered.
+/// A mesh of some of the vertices of another mesh.
 pub(super) struct Part<'a> {
     pub(super) mesh: Cow<'a, TriMesh>,
-    /// The vertex of the whole mesh that each vertex is.
+    /// The vertex of the other mesh that each vertex is.
     vertices: Vec<u32>,
     /// A flag for each vertex.
     fixed: Vec<bool>,
 }
 
 impl<'a> Part<'a> {
-    /// The parts of these numbers, ascending; the whole mesh if these are all.
-    pub(super) fn new(input: Masked<'a>, components: &[u32]) -> Result<Self, DenoiseError> {
-        let whole = input.mesh();
-        let flags =
-            |vertices: &[u32]| vertices.iter().map(|&v| input.is_fixed(v as usize)).collect();
-        let parts = whole.topology().components();
-        let scattered = is_scattered(whole);
-        let mut vertices: Vec<u32> = match scattered {
-            true => breadth_first(whole),
-            false => (0..whole.vertex_count() as u32).collect(),
+    /// All vertices, in the order of a Hilbert curve.
+    ///
+    /// Every step reads the faces around each face. In the order of a file these may be anywhere,
+    /// and a step then waits for memory.
+    pub(super) fn whole(input: Masked<'_>) -> Result<Self, DenoiseError> {
+        let mesh = input.mesh();
+        let [low, high] = mesh.bounding_box().unwrap_or_default().map(DVec3::from);
+        let middle = 0.5 * low + 0.5 * high;
+        let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
+        let place = |v: u32| {
+            let p = DVec3::from(mesh.positions()[v as usize]);
+            (hilbert(((p - middle) * scale).as_vec3().into()), v)
         };
-        if components.len() == parts.count() && !scattered {
-            return Ok(Self { mesh: Cow::Borrowed(whole), fixed: flags(&vertices), vertices });
+        let mut vertices: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+        vertices.par_sort_by_cached_key(|&v| place(v));
+        Self::new(input, vertices)
+    }
+
+    /// The connected parts of these numbers, ascending, with vertices in their order.
+    pub(super) fn some(input: Masked<'a>, components: &[u32]) -> Result<Self, DenoiseError> {
+        let parts = input.mesh().topology().components();
+        let is_in =
+            |v: &u32| parts.label(*v).is_some_and(|part| components.binary_search(&part).is_ok());
+        let all = 0..input.mesh().vertex_count() as u32;
+        if components.len() == parts.count() {
+            let fixed = all.clone().map(|v| input.is_fixed(v as usize)).collect();
+            return Ok(Self { mesh: Cow::Borrowed(input.mesh()), vertices: all.collect(), fixed });
         }
-        vertices.retain(|&v| {
-            parts.label(v).is_some_and(|part| components.binary_search(&part).is_ok())
-        });
-        let mut number = vec![u32::MAX; whole.vertex_count()];
+        Self::new(input, all.filter(is_in).collect())
+    }
+
+    /// These vertices and their faces, in the order of the first vertex of each.
+    fn new(input: Masked<'_>, vertices: Vec<u32>) -> Result<Self, DenoiseError> {
+        let mesh = input.mesh();
+        let mut number = vec![u32::MAX; mesh.vertex_count()];
         for (new, &v) in (0..).zip(&vertices) {
             number[v as usize] = new;
         }
-        let taken = whole.faces().iter().map(|face| face.map(|v| number[v as usize]));
+        let taken = mesh.faces().iter().map(|face| face.map(|v| number[v as usize]));
         let mut faces: Vec<[u32; 3]> = taken.filter(|face| face[0] != u32::MAX).collect();
-        if scattered {
-            faces.sort_by_key(|face| face.iter().min().copied());
-        }
-        let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
-        let mesh = Cow::Owned(TriMesh::new(positions, faces)?);
-        Ok(Self { mesh, fixed: flags(&vertices), vertices })
+        faces.par_sort_by_key(|face| face.iter().min().copied());
+        let positions = vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        let fixed = vertices.iter().map(|&v| input.is_fixed(v as usize)).collect();
+        Ok(Self { mesh: Cow::Owned(TriMesh::new(positions, faces)?), fixed, vertices })
     }
 
     /// The mesh with its fixed vertices.
@@ -56,44 +69,12 @@ impl<'a> Part<'a> {
         Ok(Masked::new(&self.mesh, &self.fixed)?)
     }
 
-    /// Writes the positions of a mesh with these vertices where they belong.
-    pub(super) fn put_back(&self, mesh: &TriMesh, positions: &mut [[f64; 3]]) {
-        for (&v, &p) in self.vertices.iter().zip(mesh.positions()) {
-            positions[v as usize] = p;
+    /// Writes the positions of these vertices where they belong.
+    pub(super) fn put_back(&self, from: &[[f64; 3]], into: &mut [[f64; 3]]) {
+        for (&v, &p) in self.vertices.iter().zip(from) {
+            into[v as usize] = p;
         }
     }
-}
-
-/// Returns true if one face in four has a corner that is far from all corners of the eight faces
-/// before it, so that each use of a vertex waits for memory.
-fn is_scattered(mesh: &TriMesh) -> bool {
-    let far = mesh.faces().windows(9).map(|faces| {
-        let before = faces[..8].as_flattened();
-        faces[8].iter().filter(|v| before.iter().all(|w| v.abs_diff(*w) > FAR)).count()
-    });
-    4 * far.sum::<usize>() > mesh.face_count()
-}
-
-/// All vertices, neighbours after neighbours, beginning at the first of each part.
-fn breadth_first(mesh: &TriMesh) -> Vec<u32> {
-    let incidence = mesh.incidence();
-    let mut order = Vec::with_capacity(mesh.vertex_count());
-    let mut seen = vec![false; mesh.vertex_count()];
-    let mut done = 0;
-    for first in 0..mesh.vertex_count() as u32 {
-        if !std::mem::replace(&mut seen[first as usize], true) {
-            order.push(first);
-        }
-        while let Some(&v) = order.get(done) {
-            done += 1;
-            for &w in incidence.sides(v).as_flattened() {
-                if !std::mem::replace(&mut seen[w as usize], true) {
-                    order.push(w);
-                }
-            }
-        }
-    }
-    order
 }
 
 #[cfg(test)]
@@ -109,13 +90,12 @@ mod tests {
         // Three parts whose vertices alternate; vertex 9 is isolated.
         let faces = vec![[0, 3, 6], [1, 4, 7], [2, 5, 8], [10, 3, 0]];
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
-        let part = Part::new((&whole).into(), &[0, 2]).unwrap();
+        let part = Part::some((&whole).into(), &[0, 2]).unwrap();
         assert_eq!(part.vertices, [0, 2, 3, 5, 6, 8, 10]);
-        assert_eq!(part.mesh.faces(), [[0, 2, 4], [1, 3, 5], [6, 2, 0]]);
-        assert_eq!(part.mesh.positions()[6], positions[10]);
-        let moved = part.mesh.positions().iter().map(|p| [p[0], p[1], 1.0]).collect();
+        assert_eq!(part.mesh.faces(), [[0, 2, 4], [6, 2, 0], [1, 3, 5]]);
+        let moved: Vec<_> = part.mesh.positions().iter().map(|p| [p[0], p[1], 1.0]).collect();
         let mut found = positions;
-        part.put_back(&part.mesh.with_positions(moved).unwrap(), &mut found);
+        part.put_back(&moved, &mut found);
         let raised: Vec<usize> = (0..11).filter(|&v| found[v][2] == 1.0).collect();
         assert_eq!(raised, [0, 2, 3, 5, 6, 8, 10]);
         assert_eq!(found[10][..2], [10.0, 100.0]);
@@ -123,9 +103,14 @@ mod tests {
 
     /// Random numbers become near ones, and each vertex goes back to its place.
     #[test]
-    fn scattered_parts_are_renumbered() {
+    fn neighbours_are_near_in_memory() {
+        // The median distance between the numbers of two corners.
+        let distance = |mesh: &TriMesh| {
+            let mut all: Vec<u32> = mesh.faces().iter().map(|f| f[0].abs_diff(f[1])).collect();
+            let middle = all.len() / 2;
+            *all.select_nth_unstable(middle).1
+        };
         let mesh = shapes::torus(1.0, 0.4, 300, 150);
-        assert!(!is_scattered(&mesh));
         let n = mesh.vertex_count() as u32;
         // Factors without common divisors permute.
         let to = |v: u32| (u64::from(v) * 23_456_789 % u64::from(n)) as u32;
@@ -137,10 +122,10 @@ mod tests {
             .map(|f| mesh.faces()[f * 34_567 % mesh.face_count()].map(to))
             .collect();
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
-        assert!(is_scattered(&whole));
+        assert!(distance(&whole) > 5000);
         let fixed: Vec<bool> = (0..n).map(|v| v % 3 == 0).collect();
-        let part = Part::new(Masked::new(&whole, &fixed).unwrap(), &[0]).unwrap();
-        assert!(!is_scattered(&part.mesh));
+        let part = Part::whole(Masked::new(&whole, &fixed).unwrap()).unwrap();
+        assert!(distance(&part.mesh) < 20);
         assert!(part.vertices.iter().zip(&part.fixed).all(|(v, fixed)| *fixed == (v % 3 == 0)));
         assert_eq!(part.mesh.face_count(), whole.face_count());
         let corner = |mesh: &TriMesh, v: u32| mesh.positions()[v as usize].map(f64::to_bits);
@@ -152,7 +137,7 @@ mod tests {
         };
         assert_eq!(sorted(&part.mesh), sorted(&whole));
         let mut found = vec![[0.0; 3]; n as usize];
-        part.put_back(&part.mesh, &mut found);
+        part.put_back(part.mesh.positions(), &mut found);
         assert_eq!(found, positions);
     }
 }

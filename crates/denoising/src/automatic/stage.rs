@@ -1,10 +1,13 @@
 //! A stage: networks weigh the candidates for each normal, and the surface follows.
 
+use std::ops::Range;
+
 use glam::DVec3;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use super::around::{Gatherer, Surroundings};
-use super::features::{INPUTS, Sample, Seen, sample};
+use super::features::{INPUTS, Sample, Seen, WIDE, sample};
 use super::network::{BATCH, Network, Parts, Trace, combine};
 use super::state::{QUANTILES, State};
 use super::wide::wide_means;
@@ -59,37 +62,63 @@ fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
     (0..blocks(count))
         .into_par_iter()
         .map_init(
-            || (Gatherer::new(&surroundings), Default::default()),
-            |(gatherer, traces), block| {
+            || Gatherer::new(&surroundings),
+            |gatherer, block| {
                 watch.advance(1);
                 let faces = block * BLOCK..((block + 1) * BLOCK).min(count);
-                let mut found = Vec::with_capacity(BLOCK);
-                for first in faces.clone().step_by(BATCH) {
-                    let faces = first..(first + BATCH).min(faces.end);
-                    let mut seen = [const { None }; BATCH];
-                    for (seen, f) in seen.iter_mut().zip(faces.clone()) {
-                        *seen = sample(gatherer, &wide, f);
-                    }
-                    let answers = answer(&seen, &parts, traces);
-                    found.extend(answers.into_iter().zip(faces).map(|(answer, f)| {
-                        let anchor = state.current.centroids[f];
-                        answer.unwrap_or(Answer {
-                            normal: DVec3::ZERO,
-                            anchor,
-                            residuals: None,
-                            apart: 0.0,
-                        })
-                    }));
-                }
-                found
+                pulp::Arch::new().dispatch(Answering {
+                    gatherer,
+                    wide: &wide,
+                    parts: &parts,
+                    faces,
+                })
             },
         )
         .flatten_iter()
         .collect()
 }
 
+/// The answers for a block of faces, with the widest vectors of the processor. Multiplications and
+/// additions are not fused, and no sum is reordered: the bits are the same on all of them.
+struct Answering<'a, 'b> {
+    gatherer: &'b mut Gatherer<'a>,
+    wide: &'b [Vec<DVec3>; WIDE],
+    parts: &'b [Parts<'b>],
+    faces: Range<usize>,
+}
+
+impl NullaryFnOnce for Answering<'_, '_> {
+    type Output = Vec<Answer>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Answer> {
+        let Self { gatherer, wide, parts, faces } = self;
+        let mut traces = Default::default();
+        let mut found = Vec::with_capacity(faces.len());
+        for first in faces.clone().step_by(BATCH) {
+            let faces = first..(first + BATCH).min(faces.end);
+            let mut seen = [const { None }; BATCH];
+            for (seen, f) in seen.iter_mut().zip(faces.clone()) {
+                *seen = sample(gatherer, wide, f);
+            }
+            let answers = answer(&seen, parts, &mut traces);
+            found.extend(answers.into_iter().zip(faces).map(|(answer, f)| {
+                let anchor = gatherer.state().current.centroids[f];
+                answer.unwrap_or(Answer {
+                    normal: DVec3::ZERO,
+                    anchor,
+                    residuals: None,
+                    apart: 0.0,
+                })
+            }));
+        }
+        found
+    }
+}
+
 /// For each of the samples, the direction of the mean of the unit vectors that the networks answer
 /// with.
+#[inline(always)]
 fn answer(
     seen: &[Option<Seen>; BATCH],
     networks: &[Parts<'_>],

@@ -8,7 +8,7 @@ const BITS: u32 = 12;
 /// count as on the border. Source: [skilling2004].
 ///
 /// [skilling2004]: https://doi.org/10.1063/1.1751381
-pub(crate) fn hilbert(q: [f32; 3]) -> u64 {
+pub fn hilbert(q: [f32; 3]) -> u64 {
     let cells = (1u32 << BITS) as f32;
     // A cast from floating point saturates.
     let mut x = q.map(|t| ((t + 1.0) * 0.5 * cells).clamp(0.0, cells - 1.0) as u32);
