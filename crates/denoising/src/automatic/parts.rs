@@ -18,38 +18,49 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// All vertices, in the order of a Hilbert curve.
+    /// All vertices, one connected part after another, each in the order of a Hilbert curve.
     ///
     /// Every step reads the faces around each face. In the order of a file these may be anywhere,
-    /// and a step then waits for memory.
+    /// and a step then waits for memory. The order within a part does not depend on other parts.
     pub(super) fn whole(input: Masked<'_>) -> Result<Self, DenoiseError> {
         let mesh = input.mesh();
-        let [low, high] = mesh.bounding_box().unwrap_or_default().map(DVec3::from);
-        let middle = 0.5 * low + 0.5 * high;
-        let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
+        let parts = mesh.topology().components();
+        let mut boxes = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; parts.count()];
+        let all = 0..mesh.vertex_count() as u32;
+        let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
+        for v in all.clone() {
+            if let Some(part) = parts.label(v) {
+                let [low, high] = &mut boxes[part as usize];
+                (*low, *high) = (low.min(at(v)), high.max(at(v)));
+            }
+        }
         let place = |v: u32| {
-            let p = DVec3::from(mesh.positions()[v as usize]);
-            (hilbert(((p - middle) * scale).as_vec3().into()), v)
+            parts.label(v).map(|part| {
+                let [low, high] = boxes[part as usize];
+                let middle = 0.5 * low + 0.5 * high;
+                let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
+                (part, hilbert(((at(v) - middle) * scale).as_vec3().into()))
+            })
         };
-        let mut vertices: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-        vertices.par_sort_by_cached_key(|&v| place(v));
+        let mut vertices: Vec<u32> = all.collect();
+        vertices.par_sort_by_cached_key(|&v| (place(v), v));
         Self::new(input, vertices)
     }
 
-    /// The connected parts of these numbers, ascending, with vertices in their order.
+    /// The connected parts of these numbers, ascending; the mesh as it is if these are all.
     pub(super) fn some(input: Masked<'a>, components: &[u32]) -> Result<Self, DenoiseError> {
         let parts = input.mesh().topology().components();
-        let is_in =
-            |v: &u32| parts.label(*v).is_some_and(|part| components.binary_search(&part).is_ok());
         let all = 0..input.mesh().vertex_count() as u32;
         if components.len() == parts.count() {
             let fixed = all.clone().map(|v| input.is_fixed(v as usize)).collect();
             return Ok(Self { mesh: Cow::Borrowed(input.mesh()), vertices: all.collect(), fixed });
         }
+        let is_in =
+            |v: &u32| parts.label(*v).is_some_and(|part| components.binary_search(&part).is_ok());
         Self::new(input, all.filter(is_in).collect())
     }
 
-    /// These vertices and their faces, in the order of the first vertex of each.
+    /// These vertices, and their faces in the order of the first vertex of each.
     fn new(input: Masked<'_>, vertices: Vec<u32>) -> Result<Self, DenoiseError> {
         let mesh = input.mesh();
         let mut number = vec![u32::MAX; mesh.vertex_count()];
