@@ -109,7 +109,7 @@ pub struct Automatic {
     /// The expected mean angle between the normals of the moved faces and the true ones, in
     /// degrees; `None` if nothing was moved. For [networks](Approach::Networks) it follows from
     /// how far two of different random start disagree, so it does not see what both overlook: in
-    /// 140 of the 156 benchmark cases that were not used for the fit it was within a factor of two
+    /// 141 of the 156 benchmark cases that were not used for the fit it was within a factor of two
     /// of the actual angle. For total generalised variation it follows from the noise level at two
     /// edges, and was within a factor of two on 155 of the 163 scans that it was fitted on.
     pub expected_error: Option<f64>,
