@@ -228,9 +228,7 @@ pub fn automatic<'a>(
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
     let (mut error, mut faces_denoised) = (0.0, 0);
-    let moved = on_oriented(mesh.into(), |given| {
-        let whole = Part::whole(given)?;
-        let input = whole.masked()?;
+    let moved = on_oriented(mesh.into(), |input| {
         let mesh = input.mesh();
         let groups = noisy_parts(input);
         noise = groups.first().map(|group| group.level);
@@ -250,7 +248,7 @@ pub fn automatic<'a>(
             if group.components.is_empty() {
                 continue;
             }
-            let part = Part::some(input, &group.components)?;
+            let part = Part::new(input, &group.components)?;
             let done = denoise(part.masked()?, group.level, options.strength)?;
             part.put_back(done.mesh.positions(), &mut positions);
             limit = limit.max(done.limit);
@@ -260,9 +258,7 @@ pub fn automatic<'a>(
                 faces_denoised += done.mesh.face_count();
             }
         }
-        let mut restored = given.mesh().positions().to_vec();
-        whole.put_back(&positions, &mut restored);
-        Ok(given.mesh().with_positions(restored)?)
+        Ok(mesh.with_positions(positions)?)
     })?;
     let view = moved.oriented();
     let (faces, creased) = face_kinds(&view, &Hinges::new(&view));

@@ -1,6 +1,5 @@
-//! A mesh, or some of its connected parts, numbered so that neighbours are near in memory.
-
-use std::borrow::Cow;
+//! Some of the connected parts of a mesh as a mesh of its own, numbered so that neighbours are near
+//! in memory.
 
 use fairing_mesh::{TriMesh, hilbert};
 use glam::DVec3;
@@ -8,71 +7,44 @@ use rayon::prelude::*;
 
 use crate::{DenoiseError, Masked};
 
-/// A mesh of some of the vertices of another mesh.
-pub(super) struct Part<'a> {
-    pub(super) mesh: Cow<'a, TriMesh>,
-    /// The vertex of the other mesh that each vertex is.
+/// A mesh of some of the parts, with vertices in the order of a Hilbert curve, and faces in that of
+/// their first vertex.
+///
+/// Every step reads the faces around each face. In the order of a file these may be anywhere, and
+/// a step then waits for memory.
+pub(super) struct Part {
+    pub(super) mesh: TriMesh,
+    /// The vertex of the whole mesh that each vertex is.
     vertices: Vec<u32>,
     /// A flag for each vertex.
     fixed: Vec<bool>,
 }
 
-impl<'a> Part<'a> {
-    /// All vertices, one connected part after another, each in the order of a Hilbert curve.
-    ///
-    /// Every step reads the faces around each face. In the order of a file these may be anywhere,
-    /// and a step then waits for memory. The order within a part does not depend on other parts.
-    pub(super) fn whole(input: Masked<'_>) -> Result<Self, DenoiseError> {
-        let mesh = input.mesh();
-        let parts = mesh.topology().components();
-        let mut boxes = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; parts.count()];
-        let all = 0..mesh.vertex_count() as u32;
-        let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
-        for v in all.clone() {
-            if let Some(part) = parts.label(v) {
-                let [low, high] = &mut boxes[part as usize];
-                (*low, *high) = (low.min(at(v)), high.max(at(v)));
-            }
-        }
-        let place = |v: u32| {
-            parts.label(v).map(|part| {
-                let [low, high] = boxes[part as usize];
-                let middle = 0.5 * low + 0.5 * high;
-                let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
-                (part, hilbert(((at(v) - middle) * scale).as_vec3().into()))
-            })
-        };
-        let mut vertices: Vec<u32> = all.collect();
-        vertices.par_sort_by_cached_key(|&v| (place(v), v));
-        Self::new(input, vertices)
-    }
-
-    /// The connected parts of these numbers, ascending; the mesh as it is if these are all.
-    pub(super) fn some(input: Masked<'a>, components: &[u32]) -> Result<Self, DenoiseError> {
-        let parts = input.mesh().topology().components();
-        let all = 0..input.mesh().vertex_count() as u32;
-        if components.len() == parts.count() {
-            let fixed = all.clone().map(|v| input.is_fixed(v as usize)).collect();
-            return Ok(Self { mesh: Cow::Borrowed(input.mesh()), vertices: all.collect(), fixed });
-        }
+impl Part {
+    /// The parts of these numbers, ascending.
+    pub(super) fn new(input: Masked<'_>, components: &[u32]) -> Result<Self, DenoiseError> {
+        let whole = input.mesh();
+        let parts = whole.topology().components();
         let is_in =
             |v: &u32| parts.label(*v).is_some_and(|part| components.binary_search(&part).is_ok());
-        Self::new(input, all.filter(is_in).collect())
-    }
-
-    /// These vertices, and their faces in the order of the first vertex of each.
-    fn new(input: Masked<'_>, vertices: Vec<u32>) -> Result<Self, DenoiseError> {
-        let mesh = input.mesh();
-        let mut number = vec![u32::MAX; mesh.vertex_count()];
+        let mut vertices: Vec<u32> = (0..whole.vertex_count() as u32).filter(is_in).collect();
+        let at = |v: u32| DVec3::from(whole.positions()[v as usize]);
+        let low = vertices.iter().fold(DVec3::INFINITY, |low, &v| low.min(at(v)));
+        let high = vertices.iter().fold(DVec3::NEG_INFINITY, |high, &v| high.max(at(v)));
+        let middle = 0.5 * low + 0.5 * high;
+        let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
+        vertices
+            .par_sort_by_cached_key(|&v| (hilbert(((at(v) - middle) * scale).as_vec3().into()), v));
+        let mut number = vec![u32::MAX; whole.vertex_count()];
         for (new, &v) in (0..).zip(&vertices) {
             number[v as usize] = new;
         }
-        let taken = mesh.faces().iter().map(|face| face.map(|v| number[v as usize]));
+        let taken = whole.faces().iter().map(|face| face.map(|v| number[v as usize]));
         let mut faces: Vec<[u32; 3]> = taken.filter(|face| face[0] != u32::MAX).collect();
         faces.par_sort_by_key(|face| face.iter().min().copied());
-        let positions = vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
         let fixed = vertices.iter().map(|&v| input.is_fixed(v as usize)).collect();
-        Ok(Self { mesh: Cow::Owned(TriMesh::new(positions, faces)?), fixed, vertices })
+        Ok(Self { mesh: TriMesh::new(positions, faces)?, fixed, vertices })
     }
 
     /// The mesh with its fixed vertices.
@@ -101,9 +73,12 @@ mod tests {
         // Three parts whose vertices alternate; vertex 9 is isolated.
         let faces = vec![[0, 3, 6], [1, 4, 7], [2, 5, 8], [10, 3, 0]];
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
-        let part = Part::some((&whole).into(), &[0, 2]).unwrap();
-        assert_eq!(part.vertices, [0, 2, 3, 5, 6, 8, 10]);
-        assert_eq!(part.mesh.faces(), [[0, 2, 4], [6, 2, 0], [1, 3, 5]]);
+        let part = Part::new((&whole).into(), &[0, 2]).unwrap();
+        let faces: Vec<_> = (part.mesh.faces().iter())
+            .map(|face| face.map(|v| part.vertices[v as usize]))
+            .collect();
+        assert_eq!((faces.len(), part.vertices.len()), (3, 7));
+        assert!([[0, 3, 6], [2, 5, 8], [10, 3, 0]].iter().all(|face| faces.contains(face)));
         let moved: Vec<_> = part.mesh.positions().iter().map(|p| [p[0], p[1], 1.0]).collect();
         let mut found = positions;
         part.put_back(&moved, &mut found);
@@ -135,7 +110,7 @@ mod tests {
         let whole = TriMesh::new(positions.clone(), faces).unwrap();
         assert!(distance(&whole) > 5000);
         let fixed: Vec<bool> = (0..n).map(|v| v % 3 == 0).collect();
-        let part = Part::whole(Masked::new(&whole, &fixed).unwrap()).unwrap();
+        let part = Part::new(Masked::new(&whole, &fixed).unwrap(), &[0]).unwrap();
         assert!(distance(&part.mesh) < 20);
         assert!(part.vertices.iter().zip(&part.fixed).all(|(v, fixed)| *fixed == (v % 3 == 0)));
         assert_eq!(part.mesh.face_count(), whole.face_count());
