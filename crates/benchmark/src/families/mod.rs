@@ -73,8 +73,7 @@ pub enum Set {
     Development,
     /// Families that are only reported.
     Unseen,
-    /// Families on which no result was known when the weights of the networks were trained and the
-    /// constants chosen.
+    /// Families on which nothing was trained or chosen.
     Fresh,
 }
 

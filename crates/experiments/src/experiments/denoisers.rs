@@ -76,7 +76,7 @@ impl Experiment for Denoisers {
             title: "Denoisers compared",
             question: "Which denoiser restores which kind of surface best, with no parameter chosen by hand?",
             method: format!(
-                "Every denoiser runs with its default parameters; the automatic one has none. It consists of networks trained on generated meshes: models of twelve families, blocks, creatures, tori and three other simple shapes, and random models. The published methods are implementations of our own, after the papers named below. The meshes of this section are a bolt with creases, a smooth vase and a fluted column with details, all three of families that training never saw and on which no result was known when anything was chosen; they have Gaussian noise along the normals of {low}, {middle} and {high} mean edge lengths.\n\nWhere they are found, the noisy machine part of the assignment and the pairs of the literature are added: they were not trained on, but results on them were known while the denoiser was made. Errors are measured as in q7. The benchmark has generated meshes of 34 families with seven combinations of noise and triangulation each. Weights and constants of the automatic denoiser are chosen on the twelve families of the development set. The twelve unseen families were not trained on, but their results were known while the kinds of random models for training were designed. On the ten fresh ones no result was known when anything was chosen, either. In each case the normal error of the automatic denoiser is compared with the least that any of eight published methods leaves when its parameters are chosen with the truth."
+                "Every denoiser runs with its default parameters; the automatic one has none. It consists of networks trained on generated meshes: models of twelve families, blocks, creatures, tori and three other simple shapes, and random models. The published methods are implementations of our own, after the papers named below. The meshes of this section are a bolt with creases, a smooth vase and a fluted column with details, all three of families on which nothing was trained or chosen; they have Gaussian noise along the normals of {low}, {middle} and {high} mean edge lengths.\n\nWhere they are found, the noisy machine part of the assignment and the pairs of the literature are added: they were not trained on, but results on them were known while the denoiser was made. Errors are measured as in q7. The benchmark has generated meshes of 34 families with seven combinations of noise and triangulation each. Weights and constants of the automatic denoiser are chosen on the twelve families of the development set. The twelve unseen families were not trained on, but their results were known while the kinds of random models for training were designed. On the ten fresh ones nothing was trained or chosen, either; results of earlier networks on them were known. In each case the normal error of the automatic denoiser is compared with the least that any of eight published methods leaves when its parameters are chosen with the truth."
             ),
             formulas: vec![],
             section: section(),
@@ -129,8 +129,8 @@ impl Experiment for Denoisers {
 }
 
 /// Judges the automatic denoiser beside published ones at their default parameters: on the
-/// generated meshes of the section, of which no result was known, and on the whole benchmark where
-/// its results are there. Meshes of which results were known are counted apart.
+/// generated meshes of the section, on which nothing was trained or chosen, and on the whole
+/// benchmark where its results are there. Meshes of which results were known are counted apart.
 fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
     let best = tables.get("best")?;
     let (least, own) = (best.column("its normal error")?, best.column("automatic")?);
@@ -153,7 +153,7 @@ fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let mut text = format!(
-        "It leaves a smaller normal error than each published method at its default parameters {} generated meshes of this section, of which no result was known; its error is at most {} times the smallest of theirs.",
+        "It leaves a smaller normal error than each published method at its default parameters {} generated meshes of this section, on which nothing was trained or chosen; its error is at most {} times the smallest of theirs.",
         on(&fresh),
         largest(&fresh)
     );

@@ -160,7 +160,7 @@ fn rows_of(table: &mut Table, set: Set, mine: &[(&Case, &Found)]) {
 fn sets_table() -> Table {
     Table::new(
         "sets",
-        "The sets of families. Constants are chosen on the development set alone; on the fresh families no result was known when anything was chosen. Flipped faces oppose the truth. Volumes are compared with that of the truth, and with that of the noisy mesh, which noise alone changes.",
+        "The sets of families. Constants are chosen on the development set alone; nothing was chosen on the fresh families, though results of earlier networks on them were known. Flipped faces oppose the truth. Volumes are compared with that of the truth, and with that of the noisy mesh, which noise alone changes.",
         &[
             ("set", Unit::Label),
             ("cases", Unit::Count),
@@ -256,7 +256,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
             match set {
                 Set::Development => "a family that training saw",
                 Set::Unseen => "a family that training did not see, though its results were known meanwhile",
-                Set::Fresh => "a family that neither training nor any choice has seen",
+                Set::Fresh => "a family on which nothing was trained or chosen",
             }
         ),
         "Four pictures of one mesh: without noise, noisy, and denoised by two methods.",
@@ -300,7 +300,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "On {} cases of unseen families, which were not trained on but whose results were known during development, {}. On {} cases of fresh families, on which no result was known when anything was chosen, {}.",
+        "On {} cases of unseen families, which were not trained on but whose results were known during development, {}. On {} cases of fresh families, on which nothing was trained or chosen, {}.",
         unseen.cases,
         unseen.text(),
         fresh.cases,
