@@ -1,6 +1,7 @@
 //! The fit of a network to faces whose normals are known.
 
 use fairing_denoising::training::{HIDDEN, INPUTS, Network, OUTPUTS, PARAMETERS};
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use super::gradient::{Lesson, chunk_gradient};
@@ -9,6 +10,8 @@ const BATCH: usize = 256;
 /// Gradients are summed over chunks of this size, then over the chunks in their
 /// order.
 const CHUNK: usize = 64;
+/// Numbers of a network that are changed together.
+const STRETCH: usize = 2048;
 const RATE: f32 = 2e-3;
 /// Added to the mean chord of a pair: 0.1°.
 const MIN_MEAN: f64 = 2e-3;
@@ -22,7 +25,7 @@ pub(super) fn fit(
     mut say: impl FnMut(usize, f64),
 ) -> Network {
     let mut network = start(lessons, random);
-    let mut moments = vec![[0.0f32; 2]; PARAMETERS];
+    let mut moments = [(); 2].map(|()| vec![0.0f32; PARAMETERS - 2 * INPUTS]);
     let mut weights = vec![1.0f32; pairs];
     let mut order: Vec<u32> = (0..lessons.len() as u32).collect();
     let steps = epochs * lessons.len().div_ceil(BATCH);
@@ -36,10 +39,6 @@ pub(super) fn fit(
                 .par_chunks(CHUNK)
                 .map(|chunk| chunk_gradient(&network, lessons, chunk, &weights))
                 .collect();
-            let mut gradient = vec![0.0f32; PARAMETERS];
-            for (g, _) in &done {
-                gradient.iter_mut().zip(g).for_each(|(sum, x)| *sum += x);
-            }
             for (&l, chord) in batch.iter().zip(done.iter().flat_map(|(_, c)| c)) {
                 let slot = &mut chords[lessons[l as usize].pair as usize];
                 *slot = (slot.0 + f64::from(*chord), slot.1 + 1);
@@ -48,7 +47,14 @@ pub(super) fn fit(
             let turn = std::f64::consts::PI * step as f64 / steps as f64;
             let warm = (step as f32 / 200.0).min(1.0);
             let rate = RATE * warm * (0.5 + 0.5 * libm::cos(turn)) as f32;
-            adam(&mut network, &mut moments, &gradient, rate, step, 1.0 / batch.len() as f32);
+            let bias = |beta: f64| (1.0 / (1.0 - libm::pow(beta, step as f64))) as f32;
+            let adam = Adam {
+                gradients: &done,
+                factor: 1.0 / batch.len() as f32,
+                rate,
+                biases: [bias(0.9), bias(0.999)],
+            };
+            adam.step(&mut network.numbers[2 * INPUTS..], &mut moments);
         }
         let means: Vec<f64> =
             chords.iter().map(|c| c.0 / f64::from(c.1.max(1)) + MIN_MEAN).collect();
@@ -84,22 +90,62 @@ pub(super) fn start(lessons: &[Lesson], random: &mut Random) -> Network {
     Network { numbers }
 }
 
-fn adam(
-    network: &mut Network,
-    moments: &mut [[f32; 2]],
-    gradient: &[f32],
-    rate: f32,
-    step: usize,
+/// A step of Adam along the mean gradient of a batch.
+struct Adam<'a> {
+    /// The summed gradients of the chunks, by all numbers of the network.
+    gradients: &'a [(Vec<f32>, Vec<f32>)],
+    /// One over the number of lessons.
     factor: f32,
-) {
-    let bias = |beta: f64| (1.0 - libm::pow(beta, step as f64)) as f32;
-    let (first, second) = (bias(0.9), bias(0.999));
-    let numbers = network.numbers.iter_mut().zip(moments).zip(gradient).skip(2 * INPUTS);
-    for ((x, m), g) in numbers {
-        let g = g * factor;
-        m[0] = 0.9 * m[0] + 0.1 * g;
-        m[1] = 0.999 * m[1] + 0.001 * g * g;
-        *x -= rate * (m[0] / first) / ((m[1] / second).sqrt() + 1e-8);
+    rate: f32,
+    /// The factors that correct the running means, which begin at zero.
+    biases: [f32; 2],
+}
+
+impl Adam<'_> {
+    /// Changes all numbers but the shift and the scale of the inputs, and the running means of
+    /// their gradients and of the squares of these.
+    fn step(&self, numbers: &mut [f32], moments: &mut [Vec<f32>; 2]) {
+        let [means, squares] = moments;
+        let numbers = numbers.par_chunks_mut(STRETCH).zip(means.par_chunks_mut(STRETCH));
+        numbers.zip(squares.par_chunks_mut(STRETCH)).enumerate().for_each(
+            |(k, ((numbers, means), squares))| {
+                let first = 2 * INPUTS + k * STRETCH;
+                pulp::Arch::new().dispatch(Stretch { adam: self, first, numbers, means, squares });
+            },
+        );
+    }
+}
+
+/// Some consecutive numbers of a step.
+struct Stretch<'a> {
+    adam: &'a Adam<'a>,
+    /// The number of the first one in the network.
+    first: usize,
+    numbers: &'a mut [f32],
+    means: &'a mut [f32],
+    squares: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Stretch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { adam, first, numbers, means, squares } = self;
+        let count = numbers.len();
+        let mut sum = [0.0f32; STRETCH];
+        let sum = &mut sum[..count];
+        for (gradient, _) in adam.gradients {
+            let gradient = &gradient[first..first + count];
+            sum.iter_mut().zip(gradient).for_each(|(sum, x)| *sum += x);
+        }
+        let [by_mean, by_square] = adam.biases;
+        for (((x, m), v), g) in numbers.iter_mut().zip(means).zip(squares).zip(sum) {
+            let g = *g * adam.factor;
+            *m = 0.9 * *m + 0.1 * g;
+            *v = 0.999 * *v + 0.001 * g * g;
+            *x -= adam.rate * (*m * by_mean) / ((*v * by_square).sqrt() + 1e-8);
+        }
     }
 }
 

@@ -9,6 +9,9 @@ use pulp::NullaryFnOnce;
 /// Chords below this count quadratically: 0.06°.
 const SMALL: f32 = 1e-3;
 
+/// Numbers that are summed at once.
+const LANES: usize = 16;
+
 /// A face to learn from.
 pub(super) struct Lesson {
     pub(super) sample: Sample,
@@ -46,17 +49,21 @@ impl NullaryFnOnce for Descent<'_> {
         let parts = network.parts();
         let mut gradient = vec![0.0f32; PARAMETERS];
         let mut traces: [Trace; BATCH] = Default::default();
+        let [_, second, third] = &parts.layers;
+        let transposed = [Transposed::new::<HIDDEN>(second), Transposed::new::<OUTPUTS>(third)];
         let mut chords = Vec::with_capacity(chunk.len());
         for batch in chunk.chunks(BATCH) {
             // The last lesson fills up the last batch.
             let lesson = |k: usize| &lessons[batch[k.min(batch.len() - 1)] as usize];
             parts.run(std::array::from_fn(|k| &lesson(k).sample), &mut traces);
-            for (k, trace) in traces[..batch.len()].iter().enumerate() {
-                let mut outputs = [0.0f32; OUTPUTS];
+            let mut by_outputs = [[0.0f32; OUTPUTS]; BATCH];
+            for (k, (trace, slot)) in
+                traces.iter().zip(&mut by_outputs).take(batch.len()).enumerate()
+            {
                 let weight = weights[lesson(k).pair as usize];
-                chords.push(loss_gradient(lesson(k), &trace.outputs, weight, &mut outputs));
-                backward(&parts.layers, trace, &outputs, &mut gradient[2 * INPUTS..]);
+                chords.push(loss_gradient(lesson(k), &trace.outputs, weight, slot));
             }
+            backward(&transposed, &traces, &by_outputs, &mut gradient[2 * INPUTS..]);
         }
         (gradient, chords)
     }
@@ -100,45 +107,84 @@ fn loss_gradient(
 /// Adds the gradient by the numbers of the layers.
 #[inline(always)]
 fn backward(
-    layers: &[Layer<'_>; 3],
-    trace: &Trace,
-    by_outputs: &[f32; OUTPUTS],
+    [second, third]: &[Transposed<HIDDEN>; 2],
+    traces: &[Trace; BATCH],
+    by_outputs: &[[f32; OUTPUTS]; BATCH],
     gradient: &mut [f32],
 ) {
-    let (first, rest) = gradient.split_at_mut((INPUTS + 1) * HIDDEN);
-    let (second, third) = rest.split_at_mut((HIDDEN + 1) * HIDDEN);
-    outer(&trace.second, by_outputs, third);
-    let mut by_second = [0.0f32; HIDDEN];
-    transposed(&layers[2], by_outputs, &trace.second, &mut by_second);
-    outer(&trace.first, &by_second, second);
-    let mut by_first = [0.0f32; HIDDEN];
-    transposed(&layers[1], &by_second, &trace.first, &mut by_first);
-    outer(&trace.inputs, &by_first, first);
+    let (to_first, rest) = gradient.split_at_mut((INPUTS + 1) * HIDDEN);
+    let (to_second, to_third) = rest.split_at_mut((HIDDEN + 1) * HIDDEN);
+    let seconds = traces.each_ref().map(|t| &t.second);
+    outer(seconds, by_outputs, to_third);
+    let by_second = third.by_units(by_outputs, seconds);
+    let firsts = traces.each_ref().map(|t| &t.first);
+    outer(firsts, &by_second, to_second);
+    let by_first = second.by_units(&by_second, firsts);
+    outer(traces.each_ref().map(|t| &t.inputs), &by_first, to_first);
 }
 
-/// Adds `x gᵀ` and `g`.
+/// Adds `Σ x gᵀ` and `Σ g` over the samples.
 #[inline(always)]
-fn outer(x: &[f32], g: &[f32], into: &mut [f32]) {
-    let (weights, biases) = into.split_at_mut(x.len() * g.len());
-    for (row, &x) in weights.chunks_exact_mut(g.len()).zip(x) {
-        row.iter_mut().zip(g).for_each(|(r, &g)| *r += x * g);
+fn outer<const M: usize, const N: usize>(
+    x: [&[f32; M]; BATCH],
+    g: &[[f32; N]; BATCH],
+    into: &mut [f32],
+) {
+    const { assert!(N.is_multiple_of(LANES)) };
+    let (weights, biases) = into.split_at_mut(M * N);
+    // The gradients of a few outputs stay in registers.
+    for first in (0..N).step_by(LANES) {
+        let g: [[f32; LANES]; BATCH] =
+            std::array::from_fn(|k| std::array::from_fn(|j| g[k][first + j]));
+        for (i, row) in weights.chunks_exact_mut(N).enumerate() {
+            let row = &mut row[first..first + LANES];
+            let mut sums = [0.0f32; LANES];
+            for (x, g) in x.iter().zip(&g) {
+                sums.iter_mut().zip(g).for_each(|(s, g)| *s += x[i] * g);
+            }
+            row.iter_mut().zip(sums).for_each(|(r, s)| *r += s);
+        }
+        for g in &g {
+            biases[first..first + LANES].iter_mut().zip(g).for_each(|(b, g)| *b += g);
+        }
     }
-    biases.iter_mut().zip(g).for_each(|(b, &g)| *b += g);
 }
 
-/// The gradient by the inputs of a layer before their rectification.
-#[inline(always)]
-fn transposed(layer: &Layer<'_>, g: &[f32], units: &[f32], out: &mut [f32]) {
-    for ((o, &u), row) in out.iter_mut().zip(units).zip(layer.weights.chunks_exact(g.len())) {
-        // Eight sums, so that processors can do them at once.
-        let mut lanes = [0.0f32; 8];
-        for (r, g) in row.chunks(8).zip(g.chunks(8)) {
-            for ((lane, r), g) in lanes.iter_mut().zip(r).zip(g) {
-                *lane += r * g;
+/// A layer with its weights transposed, without biases.
+struct Transposed<const M: usize> {
+    weights: Vec<f32>,
+    zeros: [f32; M],
+}
+
+impl<const M: usize> Transposed<M> {
+    /// Of a layer of `M` inputs.
+    #[inline(always)]
+    fn new<const N: usize>(layer: &Layer<'_>) -> Self {
+        let mut weights = vec![0.0f32; M * N];
+        for (i, row) in layer.weights.chunks_exact(N).enumerate() {
+            for (j, &w) in row.iter().enumerate() {
+                weights[j * M + i] = w;
             }
         }
-        let sum: f32 = lanes.iter().sum();
-        *o = if u > 0.0 { sum } else { LEAK * sum };
+        Self { weights, zeros: [0.0; M] }
+    }
+
+    /// The gradients by the inputs of the layer before their rectification, from those by its
+    /// outputs.
+    #[inline(always)]
+    fn by_units<const N: usize>(
+        &self,
+        g: &[[f32; N]; BATCH],
+        units: [&[f32; M]; BATCH],
+    ) -> [[f32; M]; BATCH] {
+        let layer = Layer { weights: &self.weights, biases: &self.zeros };
+        let mut out = layer.apply(g.each_ref());
+        for (out, units) in out.iter_mut().zip(units) {
+            for (x, &u) in out.iter_mut().zip(units) {
+                *x *= if u > 0.0 { 1.0 } else { LEAK };
+            }
+        }
+        out
     }
 }
 

@@ -43,7 +43,10 @@ pub struct Layer<'a> {
 impl Layer<'_> {
     /// `biases + weightsᵀ x` for each x.
     #[inline(always)]
-    fn apply<const M: usize, const N: usize>(&self, x: [&[f32; M]; BATCH]) -> [[f32; N]; BATCH] {
+    pub fn apply<const M: usize, const N: usize>(
+        &self,
+        x: [&[f32; M]; BATCH],
+    ) -> [[f32; N]; BATCH] {
         const { assert!(N.is_multiple_of(COLUMNS)) };
         let mut out = [[0.0; N]; BATCH];
         for first in (0..N).step_by(COLUMNS) {
