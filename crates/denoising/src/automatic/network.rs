@@ -3,7 +3,7 @@
 use super::features::{CANDIDATES, INPUTS, Sample};
 
 /// The units of each of the two hidden layers.
-pub const HIDDEN: usize = 96;
+pub const HIDDEN: usize = 128;
 
 /// A weight for each candidate, and two components that turn their mean.
 pub const OUTPUTS: usize = CANDIDATES + 2;
