@@ -99,13 +99,13 @@ pub(crate) struct Train {
     #[arg(long, default_value_t = 2)]
     pub(crate) members: usize,
     /// Models of each family
-    #[arg(long, default_value_t = 64)]
+    #[arg(long, default_value_t = 128)]
     pub(crate) models: u64,
     /// Faces drawn from each model for each stage
     #[arg(long, default_value_t = 1200)]
     pub(crate) faces: usize,
     /// Passes over these faces
-    #[arg(long, default_value_t = 20)]
+    #[arg(long, default_value_t = 24)]
     pub(crate) epochs: usize,
     /// The seed of all draws
     #[arg(long, default_value_t = 1)]
