@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::Masked;
 
 /// The largest median distance from the surface over the root mean square distance around each
-/// vertex. It is 0.71 or more on the models of the development set under noise without impulses
+/// vertex. It is 0.70 or more on the models of the development set under noise without impulses
 /// (0.67 for distances of a normal distribution), and 0.55 or less under impulses.
 const MOST_MEDIAN: f64 = 0.6;
 
