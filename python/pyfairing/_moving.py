@@ -301,7 +301,9 @@ class Moving(Base):
             `total-generalised-variation` for noise that is correlated over several
             edges, like that of a depth camera, or None if nothing was moved. `expected_error` is the
             expected mean angle between the normals of faces and the true ones in degrees, to a
-            factor of two in most cases; None if nothing was moved. Parts with faces as
+            factor of two in most cases; None if nothing was moved. `spikes` is the number of vertices
+            that were farther away than noise explains and were put on the surface around them before
+            the noise was measured. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
             that turn against the rest of their part are flipped for the computation, with a
             `FairingWarning`.
@@ -321,7 +323,7 @@ class Moving(Base):
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        noise, surface, approach, error, uneven = found
+        noise, surface, approach, error, (spikes, uneven) = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
@@ -329,7 +331,7 @@ class Moving(Base):
             )
         names = ("sigma", "correlation_length", "wide_sigma")
         report |= dict(zip(names, noise or (None, None, None)))
-        report |= {"surface": surface, "approach": approach, "expected_error": error}
+        report |= {"surface": surface, "approach": approach, "expected_error": error, "spikes": spikes}
         return self._moved(core, report)
 
     @documented

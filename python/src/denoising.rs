@@ -10,8 +10,8 @@ use crate::run::Call;
 
 /// The report of the automatic method: σ̂, correlation length and level at that length, if
 /// measured; the kind of surface, the approach, the expected error of normals in degrees, and the
-/// number of vertices on uneven parts.
-type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, Option<f64>, usize);
+/// numbers of spikes and of vertices on uneven parts.
+type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, Option<f64>, [usize; 2]);
 
 /// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
@@ -45,7 +45,7 @@ fn denoise(
                 found.kind.name(),
                 found.approach.map(Approach::name),
                 found.expected_error,
-                found.uneven_vertices,
+                [found.spikes, found.uneven_vertices],
             )),
         ))
     })?;

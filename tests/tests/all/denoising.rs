@@ -156,6 +156,29 @@ fn noise_of_a_depth_camera_is_found_and_removed() {
     assert_eq!(result.approach, Some(Approach::Networks));
 }
 
+/// A few vertices that fly away are put back and counted, whether the others are noisy or not, also
+/// where they are fewer than one in a hundred.
+#[test]
+fn spikes_are_put_back_and_counted() {
+    let truth = shapes::icosphere(4);
+    let h = truth.mean_edge_length();
+    for (level, most) in [(0.0, 0.5), (0.2, 1.5)] {
+        let input = noisy(&truth, level);
+        let alone = automatic(&input, &AutomaticOptions::default()).unwrap();
+        let mut positions = input.positions().to_vec();
+        let far: Vec<usize> = (0..truth.vertex_count()).step_by(211).collect();
+        for (k, &v) in far.iter().enumerate() {
+            positions[v][k % 3] += 8.0 * h;
+        }
+        let spiky = input.with_positions(positions).unwrap();
+        let result = automatic(&spiky, &AutomaticOptions::default()).unwrap();
+        assert_eq!((alone.spikes, result.spikes), (0, far.len()), "{level}");
+        let (without, with) = (error(&alone.mesh, &truth), error(&result.mesh, &truth));
+        assert!(with < without + most, "{level}: {without}°, {with}°");
+        assert!(result.limit > 7.0 * h, "{level}: {}", result.limit / h);
+    }
+}
+
 /// A strength below one leaves more of the noise; zero is no strength.
 #[test]
 fn strength_scales_the_estimate() {

@@ -19,6 +19,8 @@ mod surface;
 pub mod training;
 mod wide;
 
+use std::borrow::Cow;
+
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 use glam::DVec3;
@@ -37,7 +39,7 @@ use offset::in_the_middle;
 use parts::Part;
 use planes::{Evidence, flatten};
 use safety::{uneven_parts, without_flips};
-use spikes::without_spikes;
+use spikes::{without_impulses, without_spikes};
 use stage::{advance, blocks};
 use state::{FAR, State};
 use surface::face_kinds;
@@ -45,7 +47,12 @@ use surface::face_kinds;
 pub use surface::FaceKind;
 
 /// The largest noise level that counts as rounding, in mean edge lengths.
-const MIN_NOISE: f64 = 1e-7;
+const ROUNDING: f64 = 1e-7;
+
+/// The largest noise level that is not worth removing, in mean edge lengths: it turns normals by a
+/// tenth of a degree. On a model of each family of the development set denoising adds more error
+/// than noise of this level, and less than noise three times as strong.
+const WEAK: f64 = 1e-3;
 
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
@@ -97,7 +104,7 @@ fairing_parameters::named!(SurfaceKind, "kind of surface",
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
-    /// The estimated noise of the noisiest connected parts; `None` if the mesh is too small for an
+    /// The estimated noise of the noisiest connected parts, without spikes; `None` if the mesh is too small for an
     /// estimate.
     pub noise: Option<NoiseEstimate>,
     /// The kind of surface of the result; informative only.
@@ -105,6 +112,9 @@ pub struct Automatic {
     /// The number of vertices in connected parts whose faces are too uneven, which were left
     /// unchanged. Remeshing makes such parts usable.
     pub uneven_vertices: usize,
+    /// The number of spikes that were put on the surface around them: vertices farther from it
+    /// than noise and shape explain.
+    pub spikes: usize,
     /// The kind of surface at each face of the result.
     pub faces: Vec<FaceKind>,
     /// The largest distance that a vertex was allowed to move, in mesh units.
@@ -191,11 +201,12 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 3.2 times
 /// the noise level at two edges ([`Automatic::approach`]).
 ///
-/// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
-/// one vertex in a hundred is a spike: farther from that plane than 15 σ̂, than a quarter of an
-/// edge, and than three times the distance of each neighbour.
+/// Spikes are put on the surface around them before anything is measured: vertices whose distance
+/// from all that the two rings around them predict exceeds the distance of their neighbours, and
+/// eight times the median height around them ([`Automatic::spikes`]). Vertices on borders are
+/// none.
 ///
-/// Where the distances of the vertices from the result then show that some are impulses and the
+/// Under impulsive noise, where the distances of the vertices from the result then show that some are impulses and the
 /// others are not, the mesh is denoised again with the impulses on the surface that was found: the
 /// vertices farther from it than 4.5 standard deviations of the others. This is repeated up to
 /// three times, as long as the others get closer to the surface.
@@ -213,11 +224,11 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// part keeps the volume that it has without its impulses.
 ///
 /// No vertex moves further than five times the larger of σ̂ and the root mean square displacement,
-/// each time that the mesh is denoised, and the height of the highest spike
+/// each time that the mesh is denoised, and the distance of the farthest spike
 /// ([`Automatic::limit`]). Isolated vertices stay; borders move with their faces; nothing is
 /// compared across edges with one, three or more faces. Faces count as
-/// [oriented](TriMesh::oriented). A mesh whose noise level is undefined or below 10⁻⁷ h is returned
-/// unchanged. Moves with the mesh under rotation, reflection, translation and scaling, up to
+/// [oriented](TriMesh::oriented). A mesh whose noise level is undefined, or times the strength below
+/// 10⁻³ h without impulses, is returned unchanged, spikes excepted. Moves with the mesh under rotation, reflection, translation and scaling, up to
 /// rounding.
 ///
 /// # Errors
@@ -239,22 +250,21 @@ pub fn automatic<'a>(
     let mut approach = None;
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
+    let (mut spikes, mut farthest) = (0, 0.0f64);
     let (mut error, mut faces_denoised) = (0.0, 0);
     let moved = on_oriented(mesh.into(), |input| {
-        let mesh = input.mesh();
+        let original = input.mesh();
+        let mesh = &*without_spikes(input)?;
+        let input = input.on(mesh);
         let groups = noisy_parts(input);
         noise = groups.first().map(|group| group.level);
         let uneven = uneven_parts(mesh, &groups);
         let parts = mesh.topology().components();
         let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
         uneven_vertices = (0..mesh.vertex_count() as u32).filter(is_uneven).count();
-        let mut may_move = vec![false; parts.count()];
-        for v in (0..mesh.vertex_count()).filter(|&v| !input.is_fixed(v)) {
-            if let Some(part) = parts.label(v as u32) {
-                may_move[part as usize] = true;
-            }
-        }
+        let may_move = movable(input);
         let mut positions = mesh.positions().to_vec();
+        (spikes, farthest) = counted_spikes(original, &mut positions, |v| is_uneven(&v));
         for mut group in groups {
             group.components.retain(|&part| may_move[part as usize] && !uneven[part as usize]);
             if group.components.is_empty() {
@@ -272,6 +282,7 @@ pub fn automatic<'a>(
         }
         Ok(mesh.with_positions(positions)?)
     })?;
+    limit += farthest;
     let view = moved.oriented();
     let (faces, creased) = face_kinds(&view, &Hinges::new(&view));
     let kind = match (limit > 0.0, creased) {
@@ -290,7 +301,39 @@ pub fn automatic<'a>(
         limit,
         approach,
         expected_error,
+        spikes,
     })
+}
+
+/// The number of spikes among positions and the distance of the farthest from its place; those that
+/// `stay` go back to where they were.
+fn counted_spikes(
+    original: &TriMesh,
+    positions: &mut [[f64; 3]],
+    stay: impl Fn(u32) -> bool,
+) -> (usize, f64) {
+    let (mut count, mut farthest) = (0, 0.0f64);
+    for (v, (position, &from)) in (0..).zip(positions.iter_mut().zip(original.positions())) {
+        if stay(v) {
+            *position = from;
+        } else if *position != from {
+            count += 1;
+            farthest = DVec3::from(*position).distance(from.into()).max(farthest);
+        }
+    }
+    (count, farthest)
+}
+
+/// The parts that have a vertex that may move.
+fn movable(input: Masked<'_>) -> Vec<bool> {
+    let parts = input.mesh().topology().components();
+    let mut movable = vec![false; parts.count()];
+    for v in (0..input.mesh().vertex_count()).filter(|&v| !input.is_fixed(v)) {
+        if let Some(part) = parts.label(v as u32) {
+            movable[part as usize] = true;
+        }
+    }
+    movable
 }
 
 /// A mesh whose noise has one level, denoised.
@@ -305,25 +348,33 @@ struct Denoised {
 }
 
 impl Denoised {
-    /// A mesh without noise, or with none but the impulses that were removed.
-    fn clean(mesh: TriMesh, limit: f64) -> Self {
-        Self { mesh, limit, approach: None, expected_error: None }
+    /// A mesh without noise.
+    fn clean(mesh: TriMesh) -> Self {
+        Self { mesh, limit: 0.0, approach: None, expected_error: None }
     }
 }
 
 /// Denoises a mesh whose noise has one level; under impulsive noise again and again, with impulses
-/// put on the surface that was found, as long as the other vertices get closer to it.
+/// put on the surface that was found, as long as the other vertices get closer to it. Noise that is
+/// not worth removing stays.
 fn denoise_repeatedly(
     input: Masked<'_>,
     level: NoiseEstimate,
     strength: f64,
 ) -> Result<Denoised, DenoiseError> {
+    let mesh = input.mesh();
+    let is_weak = level.sigma * strength <= WEAK * mesh.mean_edge_length();
+    if is_weak && !level.is_impulsive() {
+        return Ok(Denoised::clean(mesh.clone()));
+    }
     let mut done = denoise(input, level, strength)?;
     if !level.is_impulsive() || done.approach != Some(Approach::Networks) {
         return Ok(done);
     }
-    let mesh = input.mesh();
     let mut found = Impulses::find(input, &done.mesh);
+    if is_weak && found.is_none() {
+        return Ok(Denoised::clean(mesh.clone()));
+    }
     for _ in 0..ROUNDS {
         let Some(impulses) = found else { break };
         let without = mesh.with_positions(impulses.moved_onto(mesh, &done.mesh))?;
@@ -341,30 +392,34 @@ fn denoise_repeatedly(
 /// Denoises a mesh whose noise has one level.
 fn denoise(
     input: Masked<'_>,
-    level: NoiseEstimate,
+    mut level: NoiseEstimate,
     strength: f64,
 ) -> Result<Denoised, DenoiseError> {
-    if is_clean(input.mesh(), level) {
-        return Ok(Denoised::clean(input.mesh().clone(), 0.0));
+    let without = match level.is_impulsive() {
+        true => without_impulses(input, level.sigma)?,
+        false => Cow::Borrowed(input.mesh()),
+    };
+    let (mesh, input) = (&*without, input.on(&without));
+    if let Cow::Owned(_) = without
+        && let Some(group) = noisy_parts(input).into_iter().next()
+    {
+        level = group.level;
     }
-    // Impulses are put into the planes of their neighbours.
-    let (mesh, mut level, farthest) = without_spikes(input, level)?;
-    if is_clean(&mesh, level) {
-        return Ok(Denoised::clean(mesh.into_owned(), farthest));
-    }
-    let input = input.on(&mesh);
     level.sigma *= strength;
     level.wide_sigma *= strength;
+    if level.sigma <= ROUNDING * mesh.mean_edge_length() {
+        return Ok(Denoised::clean(mesh.clone()));
+    }
     let mut approach = Approach::Networks;
     let mut normals = regressed(input, level)?;
     if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
         approach = Approach::TotalGeneralisedVariation;
-        let two = level_at_scale(&mesh, 2).unwrap_or(level.wide_sigma / strength);
+        let two = level_at_scale(mesh, 2).unwrap_or(level.wide_sigma / strength);
         let two = two / mesh.mean_edge_length();
         let weight = WEIGHT * strength * two;
         let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
         let sigma = level.wide_sigma;
-        let filtered = filtered_normals(&mesh, &options)?;
+        let filtered = filtered_normals(mesh, &options)?;
         let expected_error = Some(EXPECTED_FILTERED.0 * libm::pow(two, EXPECTED_FILTERED.1));
         normals =
             Normals { normals: filtered, sigma, limit: FAR * sigma, expected_error, ..normals };
@@ -372,15 +427,14 @@ fn denoise(
     let Normals { normals, rings, sigma, limit, expected_error } = normals;
     // Faces on the wrong side of a crease change sides, and the surface follows to the end.
     fairing_watch::stage("positions", 0);
-    let follow = Follow::new(&mesh, &rings, sigma, limit);
-    let normals = relabel(&mesh, &rings, normals, &follow)?;
+    let follow = Follow::new(mesh, &rings, sigma, limit);
+    let normals = relabel(mesh, &rings, normals, &follow)?;
     let follow = follow.with_fixed(input);
     let surface = follow.run(mesh.positions(), &normals, STEPS)?;
     // Noise lies on both sides of the surface, and no face opposes its normal.
     let surface = in_the_middle(input, surface, &normals, limit)?;
-    let surface = without_flips(&mesh, surface, &normals, &follow)?;
-    let (limit, approach) = (limit + farthest, Some(approach));
-    Ok(Denoised { mesh: surface, limit, approach, expected_error })
+    let surface = without_flips(mesh, surface, &normals, &follow)?;
+    Ok(Denoised { mesh: surface, limit, approach: Some(approach), expected_error })
 }
 
 /// The normals of a surface without noise.
@@ -413,9 +467,4 @@ fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, Denoise
     let expected_error = Some(EXPECTED.0 * libm::pow(state.apart, EXPECTED.1));
     let (sigma, limit) = (state.limit / FAR, state.limit);
     Ok(Normals { normals: state.normals, rings: state.rings, sigma, limit, expected_error })
-}
-
-/// Returns `true` if the noise of a mesh is rounding.
-fn is_clean(mesh: &TriMesh, level: NoiseEstimate) -> bool {
-    level.sigma <= MIN_NOISE * mesh.mean_edge_length()
 }

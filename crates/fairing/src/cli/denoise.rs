@@ -93,6 +93,7 @@ impl Denoise {
             "kind",
             "approach",
             "expected_error",
+            "spikes",
             "uneven_vertices",
         ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
@@ -111,6 +112,13 @@ impl Denoise {
             Denoiser::Automatic(options) => {
                 let result = automatic(masked, options)?;
                 context.note(summary(&result));
+                if result.spikes > 0 {
+                    context.note(format_args!(
+                        "{} vertices were farther away than noise explains, and were put on the \
+                         surface around them first; --pin holds vertices",
+                        result.spikes
+                    ));
+                }
                 if result.uneven_vertices > 0 {
                     context.note(format_args!(
                         "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): \
@@ -204,6 +212,7 @@ fn as_json(result: &Automatic) -> Value {
         "approach": result.approach.map(Approach::name),
         "expected_error": result.expected_error,
         "area_fraction": shares,
+        "spikes": result.spikes,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
         "displacement_limit": result.limit,
