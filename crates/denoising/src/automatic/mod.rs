@@ -104,8 +104,8 @@ fairing_parameters::named!(SurfaceKind, "kind of surface",
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
-    /// The estimated noise of the noisiest connected parts, without spikes; `None` if the mesh is too small for an
-    /// estimate.
+    /// The estimated noise of the noisiest connected parts, without spikes; `None` if the mesh is
+    /// too small for an estimate.
     pub noise: Option<NoiseEstimate>,
     /// The kind of surface of the result; informative only.
     pub kind: SurfaceKind,
@@ -206,10 +206,10 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// eight times the median height around them ([`Automatic::spikes`]). Vertices on borders are
 /// none.
 ///
-/// Under impulsive noise, where the distances of the vertices from the result then show that some are impulses and the
-/// others are not, the mesh is denoised again with the impulses on the surface that was found: the
-/// vertices farther from it than 4.5 standard deviations of the others. This is repeated up to
-/// three times, as long as the others get closer to the surface.
+/// Under impulsive noise, where the distances of the vertices from the result then show that some
+/// are impulses and the others are not, the mesh is denoised again with the impulses on the surface
+/// that was found: the vertices farther from it than 4.5 standard deviations of the others. This is
+/// repeated up to three times, as long as the others get closer to the surface.
 ///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
@@ -227,9 +227,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// each time that the mesh is denoised, and the distance of the farthest spike
 /// ([`Automatic::limit`]). Isolated vertices stay; borders move with their faces; nothing is
 /// compared across edges with one, three or more faces. Faces count as
-/// [oriented](TriMesh::oriented). A mesh whose noise level is undefined, or times the strength below
-/// 10⁻³ h without impulses, is returned unchanged, spikes excepted. Moves with the mesh under rotation, reflection, translation and scaling, up to
-/// rounding.
+/// [oriented](TriMesh::oriented). A mesh whose noise level is undefined, or times the strength
+/// below 10⁻³ h without impulses, is returned unchanged, spikes excepted. Moves with the mesh under
+/// rotation, reflection, translation and scaling, up to rounding.
 ///
 /// # Errors
 ///
