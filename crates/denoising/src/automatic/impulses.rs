@@ -181,6 +181,7 @@ mod tests {
             assert_eq!(*p, from.positions()[v]);
         }
     }
+
     /// Three vertices in ten of a sphere are impulses. Denoised without them, it is closer to the
     /// truth than by the first time (1.35°).
     #[test]

@@ -115,9 +115,10 @@ impl Denoise {
                 context.note(summary(&result));
                 if result.spikes > 0 {
                     context.note(format_args!(
-                        "{} vertices were farther away than noise explains, and were put on the \
-                         surface around them first; --pin holds vertices",
-                        result.spikes
+                        "farther away than noise explains, and put on the surface around them \
+                         before anything else: {} of {} vertices; --pin holds vertices",
+                        result.spikes,
+                        result.mesh.vertex_count()
                     ));
                 }
                 if result.uneven_vertices > 0 {
