@@ -92,9 +92,6 @@ pub(crate) struct Measure {
 
 #[derive(Debug, Args)]
 pub(crate) struct Train {
-    /// Train the networks for open surfaces with correlated noise, on views and on cut models
-    #[arg(long)]
-    pub(crate) correlated: bool,
     /// Stages in a row
     #[arg(long, default_value_t = 4)]
     pub(crate) stages: usize,

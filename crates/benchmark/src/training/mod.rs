@@ -1,6 +1,5 @@
 //! Training of the denoiser's networks, stage after stage.
 
-mod correlated;
 mod fit;
 mod gradient;
 mod pairs;
@@ -13,7 +12,6 @@ use glam::DVec3;
 use fit::{Random, fit};
 use gradient::Lesson;
 
-pub use correlated::correlated_pairs;
 pub use pairs::training_pairs;
 
 /// A mesh with noise, and without.

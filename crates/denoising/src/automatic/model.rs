@@ -20,12 +20,6 @@ const VERSION: u32 = 4;
 /// Name, version, stages, networks of each, inputs, hidden units, candidates, seed.
 const HEADER: usize = 8 + 6 * 4 + 8;
 
-/// The networks for all meshes.
-const FOR_ALL: &[u8] = include_bytes!("../../data/normals.bin");
-
-/// The networks for open surfaces with correlated noise.
-const FOR_CORRELATED: &[u8] = include_bytes!("../../data/normals-correlated.bin");
-
 /// The stages, in their order.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -36,14 +30,10 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of this release for all meshes, or that for open surfaces with correlated noise;
-    /// `None` if the bytes were damaged in the build.
-    pub fn released(is_correlated: bool) -> Option<&'static Self> {
-        static ALL: OnceLock<Option<Model>> = OnceLock::new();
-        static CORRELATED: OnceLock<Option<Model>> = OnceLock::new();
-        let (model, bytes) =
-            if is_correlated { (&CORRELATED, FOR_CORRELATED) } else { (&ALL, FOR_ALL) };
-        model.get_or_init(|| Self::read(bytes).ok()).as_ref()
+    /// The model of this release; `None` if the bytes were damaged in the build.
+    pub fn released() -> Option<&'static Self> {
+        static MODEL: OnceLock<Option<Model>> = OnceLock::new();
+        MODEL.get_or_init(|| Self::read(include_bytes!("../../data/normals.bin")).ok()).as_ref()
     }
 
     /// Reads the bytes that [`Model::write`] wrote.
@@ -122,16 +112,14 @@ fn checksum(bytes: &[u8]) -> u64 {
 mod tests {
     use super::*;
 
-    /// The released files are read; bytes that are missing, changed or of another
+    /// The released file is read; bytes that are missing, changed or of another
     /// version are not.
     #[test]
     fn damaged_files_are_refused() {
-        for bytes in [FOR_ALL, FOR_CORRELATED] {
-            let model = Model::read(bytes).unwrap();
-            assert!(!model.stages.is_empty());
-            assert_eq!(model.write(), bytes);
-        }
-        let bytes = FOR_ALL;
+        let bytes = include_bytes!("../../data/normals.bin");
+        let model = Model::read(bytes).unwrap();
+        assert!(!model.stages.is_empty());
+        assert_eq!(model.write(), bytes);
         assert!(Model::read(&bytes[..bytes.len() - 4]).unwrap_err().contains("checksum"));
         assert!(Model::read(&bytes[..20]).unwrap_err().contains("cut off"));
         let changed = |at: usize, mended: bool| {
