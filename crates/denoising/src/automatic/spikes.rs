@@ -198,8 +198,8 @@ mod tests {
     use super::*;
 
     /// A sphere of which some vertices are far away in all directions, some of them neighbours,
-    /// with little, much and no noise at the others: the spikes return to the surface, and nothing
-    /// else moves.
+    /// with little, much and no noise at the others: the spikes return to the surface, and hardly
+    /// anything else moves.
     #[test]
     fn spikes_return_to_the_surface() {
         let truth = shapes::icosphere(4);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     /// A coarse sphere of which a tenth of the vertices are displaced by half an edge: most return,
-    /// and nothing else moves. The heights of the others are those of the sphere, an eighth of the
+    /// and hardly anything else moves. The heights of the others are those of the sphere, an eighth of the
     /// displacement and more.
     #[test]
     fn impulses_return_to_a_curved_surface() {
