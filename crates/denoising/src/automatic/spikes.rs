@@ -235,8 +235,8 @@ mod tests {
     }
 
     /// A coarse sphere of which a tenth of the vertices are displaced by half an edge: most return,
-    /// and hardly anything else moves. The heights of the others are those of the sphere, an eighth of the
-    /// displacement and more.
+    /// and hardly anything else moves. The heights of the others are those of the sphere, an eighth
+    /// of the displacement and more.
     #[test]
     fn impulses_return_to_a_curved_surface() {
         let truth = shapes::icosphere(3);
