@@ -92,6 +92,9 @@ pub(crate) struct Measure {
 
 #[derive(Debug, Args)]
 pub(crate) struct Train {
+    /// Train the networks for open surfaces with correlated noise, on views and on cut models
+    #[arg(long)]
+    pub(crate) correlated: bool,
     /// Stages in a row
     #[arg(long, default_value_t = 4)]
     pub(crate) stages: usize,

@@ -30,5 +30,7 @@ pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{Pair, is_pair, pairs};
 pub use published::{Method, Setting, denoiser};
 pub use table::{Entry, Published};
-pub use training::{TrainingOptions, TrainingPair, train_normals, training_pairs};
+pub use training::{
+    TrainingOptions, TrainingPair, correlated_pairs, train_normals, training_pairs,
+};
 pub use tune::tuned;

@@ -17,6 +17,8 @@
 use fairing_mesh::TriMesh;
 mod build;
 mod curved;
+mod cut;
+mod detail;
 mod detailed;
 mod extrude;
 mod fresh_creased;
@@ -40,6 +42,8 @@ mod warp;
 use build::{Build, sized};
 
 pub use build::Triangulation;
+pub use cut::cut;
+pub use detail::detailed;
 pub use random::RandomModel;
 pub use warp::warped;
 

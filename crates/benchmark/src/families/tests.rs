@@ -111,6 +111,50 @@ fn warped_bodies_keep_their_faces() {
     }
 }
 
+/// Details turn few faces over and leave none without area; a seed always gives the same bytes.
+/// Most have details of the promised heights; on a part without vertices nothing moves.
+#[test]
+fn details_are_bounded() {
+    let mesh = Family::Blob.mesh(4000, Triangulation::Regular, 3);
+    let h = mesh.mean_edge_length();
+    let mut moving = 0;
+    for seed in 0..24 {
+        let other = detailed(&mesh, seed).unwrap();
+        assert_eq!(other.faces(), mesh.faces());
+        assert_eq!(other.positions(), detailed(&mesh, seed).unwrap().positions());
+        let pairs = mesh.positions().iter().zip(other.positions());
+        let moved: Vec<f64> = pairs.map(|(&p, &q)| DVec3::from(p).distance(q.into())).collect();
+        let farthest = moved.iter().copied().fold(0.0, f64::max);
+        // A slope of 0.6 over 60 edges, at five deviations of a field, and two shorter layers.
+        assert!(farthest < 80.0 * h, "{seed}: {} h", farthest / h);
+        moving += usize::from(farthest > 1e-3 * h);
+        let turned = (0..mesh.face_count())
+            .filter(|&f| DVec3::from(mesh.area_vector(f)).dot(other.area_vector(f).into()) < 0.0)
+            .count();
+        assert!(turned * 50 < mesh.face_count(), "{seed}: {turned}");
+        assert_eq!(Diagnosis::new(&other).degenerate_faces.count, 0, "{seed}");
+    }
+    assert!(moving >= 20, "{moving}");
+}
+
+/// Cut models have a border, and are otherwise the same.
+#[test]
+fn cut_models_have_a_border() {
+    let mesh = Family::Blob.mesh(4000, Triangulation::Regular, 3);
+    for seed in 0..24 {
+        let part = cut(&mesh, seed).unwrap();
+        let share = part.vertex_count() as f64 / mesh.vertex_count() as f64;
+        assert!((0.2..0.75).contains(&share), "{seed}: {share}");
+        assert!(!part.topology().is_closed());
+        assert_eq!(part.topology().isolated_vertices().count(), 0);
+        let corner = |mesh: &TriMesh, f: usize| mesh.triangle(f).map(|p| p.map(f64::to_bits));
+        let all: std::collections::HashSet<_> =
+            (0..mesh.face_count()).map(|f| corner(&mesh, f)).collect();
+        assert!((0..part.face_count()).all(|f| all.contains(&corner(&part, f))));
+        assert_eq!(part.positions(), cut(&mesh, seed).unwrap().positions());
+    }
+}
+
 /// Meshes that cannot be warped: none of them panics.
 #[test]
 fn what_cannot_be_warped_is_stretched_or_an_error() {
@@ -119,7 +163,11 @@ fn what_cannot_be_warped_is_stretched_or_an_error() {
     let huge = TriMesh::new(vec![[4e29; 3], [-4e29; 3], [0.0; 3]], vec![[0, 1, 2]]).unwrap();
     for seed in 0..8 {
         assert!(warped(&point, seed).unwrap().positions().iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(detailed(&point, seed).unwrap().positions(), point.positions());
         assert_eq!(warped(&empty, seed).unwrap().vertex_count(), 0);
+        for whole in [&point, &empty] {
+            assert_eq!(cut(whole, seed).unwrap().positions(), whole.positions());
+        }
         let _: Result<TriMesh, fairing_mesh::BuildError> = warped(&huge, seed);
     }
 }

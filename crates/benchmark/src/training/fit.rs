@@ -1,6 +1,6 @@
 //! The fit of a network to faces whose normals are known.
 
-use fairing_denoising::training::{HIDDEN, INPUTS, Network, OUTPUTS, PARAMETERS};
+use fairing_denoising::training::{INPUTS, LAYERS, Network, PARAMETERS};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
@@ -78,9 +78,7 @@ pub(super) fn start(lessons: &[Lesson], random: &mut Random) -> Network {
         numbers[INPUTS + k] = (1.0 / (variance.sqrt() + 1e-3)) as f32;
     }
     let mut at = 2 * INPUTS;
-    for (inputs, outputs, gain) in
-        [(INPUTS, HIDDEN, 2.0), (HIDDEN, HIDDEN, 2.0), (HIDDEN, OUTPUTS, 0.02)]
-    {
+    for ([inputs, outputs], gain) in LAYERS.into_iter().zip([2.0, 2.0, 0.02]) {
         let width = (3.0 * gain / inputs as f64).sqrt();
         for x in &mut numbers[at..at + inputs * outputs] {
             *x = ((2.0 * random.unit() - 1.0) * width) as f32;

@@ -1,5 +1,6 @@
 //! Training of the denoiser's networks, stage after stage.
 
+mod correlated;
 mod fit;
 mod gradient;
 mod pairs;
@@ -12,6 +13,7 @@ use glam::DVec3;
 use fit::{Random, fit};
 use gradient::Lesson;
 
+pub use correlated::correlated_pairs;
 pub use pairs::training_pairs;
 
 /// A mesh with noise, and without.
@@ -34,6 +36,8 @@ pub struct TrainingOptions {
     pub faces_per_pair: usize,
     /// Passes over all drawn faces.
     pub epochs: usize,
+    /// The bits of a weight in the file, from 2 to 12.
+    pub bits: u32,
     /// The seed of all draws.
     pub seed: u64,
 }
@@ -74,7 +78,7 @@ pub fn train_normals(
         }
         stages.push(networks);
     }
-    Ok(Model { stages, seed: options.seed }.write())
+    Ok(Model { stages, bits: options.bits, seed: options.seed }.write())
 }
 
 /// A pair between two stages.
@@ -129,8 +133,14 @@ mod tests {
     /// A few steps lower the loss, to the same bits on one thread and on three.
     #[test]
     fn training_does_not_depend_on_the_threads() {
-        let options =
-            TrainingOptions { stages: 1, members: 2, faces_per_pair: 300, epochs: 40, seed: 2 };
+        let options = TrainingOptions {
+            stages: 1,
+            members: 2,
+            faces_per_pair: 300,
+            epochs: 40,
+            bits: 8,
+            seed: 2,
+        };
         let train = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut lines = vec![];

@@ -1,6 +1,8 @@
 //! Noisy meshes with their truth to train on: models of the development set, random models, and
 //! shapes of no set.
 
+use std::ops::Range;
+
 use anyhow::Result;
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_mesh::TriMesh;
@@ -31,66 +33,90 @@ const WARPED: f64 = 0.5;
 /// Seeds from here on belong to no case of the benchmark.
 const SEEDS: u64 = 1_000_000;
 
+/// The numbers of faces of the models.
+const FACES: [usize; 5] = [2200, 3000, 4000, 9000, 16_000];
+
 /// Noisy models of the families of the development set, random models, and shapes of no set.
 pub fn training_pairs(models: u64) -> Result<Vec<TrainingPair>> {
-    let families = Family::ALL.iter().copied().filter(|f| f.set() == Set::Development);
-    let mut jobs: Vec<(Source, u64)> = vec![];
-    for (i, family) in families.enumerate() {
-        for k in 0..models {
-            let seed = SEEDS + 1000 * i as u64 + k;
-            jobs.push((Source::Family(family), seed));
-        }
-    }
-    for shape in 0..SHAPES {
-        for k in 0..models / 2 {
-            jobs.push((Source::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
-        }
-    }
-    for (i, &model) in RandomModel::ALL.iter().enumerate() {
-        for k in 0..models * 3 / 2 {
-            jobs.push((Source::Random(model), SEEDS + 100_000 * (i as u64 + 1) + k));
-        }
-    }
-    jobs.into_par_iter().map(|(source, seed)| source.pair(seed)).collect()
+    let jobs = sources(models).into_iter();
+    let jobs: Vec<(Source, u64)> =
+        jobs.flat_map(|(source, seeds)| seeds.map(move |seed| (source, seed))).collect();
+    jobs.into_par_iter()
+        .map(|(source, seed)| {
+            let triangulation = Triangulation::ALL[(seed % 4) as usize];
+            let (kind, most) = NOISE[((seed / 4 + seed) % 10) as usize];
+            let most = source.most(most, triangulation);
+            let level = NoiseLevel::EdgeLengths(0.04 + (most - 0.04) * draw(seed, 1));
+            let truth = source.model(faces(seed), triangulation, seed)?;
+            let noisy = add_noise(&truth, kind, level, seed)?;
+            Ok(TrainingPair { noisy, truth })
+        })
+        .collect()
 }
 
-/// The origin of the model of a pair.
-#[derive(Clone, Copy)]
-enum Source {
+/// Each source, with the seeds of its models.
+pub(super) fn sources(models: u64) -> Vec<(Source, Range<u64>)> {
+    let from = |first: u64, count: u64| SEEDS + first..SEEDS + first + count;
+    let families = Family::ALL.iter().copied().filter(|f| f.set() == Set::Development);
+    let families =
+        (0..).zip(families).map(|(i, family)| (Source::Family(family), from(1000 * i, models)));
+    let shapes = (0..SHAPES).map(|k| (Source::Shape(k), from(1000 * (50 + k), models / 2)));
+    let random = (1..).zip(&RandomModel::ALL);
+    let random =
+        random.map(|(i, &model)| (Source::Random(model), from(100_000 * i, models * 3 / 2)));
+    families.chain(shapes).chain(random).collect()
+}
+
+/// A number from 0 to 1 for a model.
+pub(super) fn draw(seed: u64, salt: u64) -> f64 {
+    unit(seed.wrapping_mul(31).wrapping_add(salt))
+}
+
+/// The number of faces of a model.
+pub(super) fn faces(seed: u64) -> usize {
+    FACES[(5.0 * draw(seed, 2)) as usize]
+}
+
+/// The origin of a model.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Source {
     Family(Family),
     Random(RandomModel),
-    Shape(usize),
+    Shape(u64),
 }
 
 /// The number of shapes outside of the families.
-const SHAPES: usize = 6;
+const SHAPES: u64 = 6;
 
 impl Source {
-    fn pair(self, seed: u64) -> Result<TrainingPair> {
-        let draw = |salt: u64| unit(seed.wrapping_mul(31).wrapping_add(salt));
-        let triangulation = Triangulation::ALL[(seed % 4) as usize];
-        let (kind, most) = NOISE[((seed / 4 + seed) % 10) as usize];
-        let most: f64 = match (self, triangulation) {
+    /// The largest level of noise: less on stretched and graded triangles.
+    pub(super) fn most(self, most: f64, triangulation: Triangulation) -> f64 {
+        match (self, triangulation) {
             (Self::Shape(_), _) => most,
             (_, Triangulation::Anisotropic) => most.min(0.3),
             (_, Triangulation::Graded) => most.min(0.4),
             _ => most,
-        };
-        let level = 0.04 + (most - 0.04) * draw(1);
-        let faces = [2200, 3000, 4000, 9000, 16_000][(5.0 * draw(2)) as usize];
-        let truth = match self {
+        }
+    }
+
+    /// A model, in half of the cases warped.
+    pub(super) fn model(
+        self,
+        faces: usize,
+        triangulation: Triangulation,
+        seed: u64,
+    ) -> Result<TriMesh> {
+        let model = match self {
             Self::Family(family) => family.mesh(faces, triangulation, seed),
             Self::Random(model) => model.mesh(faces, triangulation, seed),
-            Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
+            Self::Shape(k) => shape(k, [draw(seed, 2), draw(seed, 4)], seed),
         };
-        let truth = if draw(3) < WARPED { warped(&truth, seed)? } else { truth };
-        let noisy = add_noise(&truth, kind, NoiseLevel::EdgeLengths(level), seed)?;
-        Ok(TrainingPair { noisy, truth })
+        Ok(if draw(seed, 3) < WARPED { warped(&model, seed)? } else { model })
     }
 }
 
 /// One of the shapes, in a size that `t` from 0 to 1 decides on.
-fn shape(k: usize, [t, u]: [f64; 2], seed: u64) -> TriMesh {
+fn shape(k: u64, [t, u]: [f64; 2], seed: u64) -> TriMesh {
     // Sides of a tube, from a few to many.
     let sides = 9 + (36.0 * t) as u32;
     match k {

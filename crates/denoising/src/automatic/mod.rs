@@ -54,6 +54,19 @@ const ROUNDING: f64 = 1e-7;
 /// than noise of this level, and less than noise three times as strong.
 const WEAK: f64 = 1e-3;
 
+/// The least number of border vertices of an open surface, as a multiple of the root of the number
+/// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
+const OPEN: f64 = 1.0;
+
+/// The least correlation of residuals across edges of correlated noise; independent noise makes it
+/// negative. On views of models of the development set, nine in ten with correlated noise or the
+/// waves of fused views exceed it, and one in fifty with independent noise.
+const CORRELATED: f64 = 0.05;
+
+/// The largest such correlation: beyond it a surface is smooth from vertex to vertex, and its waves
+/// are its shape. On the same views it is at most 0.36; on clean sheets of waves, at least 0.44.
+const SMOOTH: f64 = 0.4;
+
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
 
@@ -72,6 +85,9 @@ const MISTAKEN: f64 = 2.0;
 /// the mean angle between normals and truth, in degrees: a fit of logarithms on the development
 /// set, with networks of 96 units. A fit with those of 128 is no better on this set.
 const EXPECTED: (f64, f64) = (750.0, 0.99);
+
+/// The same for the networks for correlated noise: a fit on views of models of the development set.
+const EXPECTED_CORRELATED: (f64, f64) = (2810.0, 1.134);
 
 /// The same for total generalised variation, from the noise level at two edges in mean edge
 /// lengths: a fit on scans of the models of the development set by a depth camera.
@@ -127,7 +143,8 @@ pub struct Automatic {
     /// does not see what both overlook and is too high where impulses are then taken out: in
     /// 135 of the 156 benchmark cases that were not used for the fit it was within a factor of two
     /// of the actual angle. For total generalised variation it follows from the noise level at two
-    /// edges, and was within a factor of two on 155 of the 163 scans that it was fitted on.
+    /// edges. Under correlated noise and that of a depth camera it was within a factor of two on 60
+    /// of the 66 views that were not used for the fits.
     pub expected_error: Option<f64>,
 }
 
@@ -161,11 +178,10 @@ fairing_parameters::options! {
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Approach {
-    /// Networks on the neighbourhood of each face, for noise that is independent from vertex to
-    /// vertex, or nearly so.
+    /// Networks on the neighbourhood of each face.
     Networks,
-    /// [`total_generalised_variation`](crate::total_generalised_variation), for noise that is
-    /// correlated over several edges, like that of a depth camera.
+    /// [`total_generalised_variation`](crate::total_generalised_variation), for the noise of a
+    /// depth camera.
     TotalGeneralisedVariation,
 }
 
@@ -186,7 +202,10 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    numbers such as the residuals of the fits over σ̂, and assigns a
 ///    positive weight to each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    models (`cargo xtask benchmark train`) and built into this crate.
+///    models (`cargo xtask benchmark train`) and built into this crate. Open surfaces whose
+///    residuals correlate across edges by 0.05 to 0.4 ([`NoiseEstimate::correlation`]) have
+///    networks of their own, trained on views and parts of models with the waves of fused views and
+///    other correlated noise, and on sheets of waves.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -195,9 +214,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///
 /// If all candidates agree, so does the new normal: planes stay planes.
 ///
-/// Noise that is correlated over several edges ([`NoiseEstimate::correlation_length`]), as that of
-/// depth cameras, passes for shape between neighbours. Where it is found, and the networks expect
-/// to leave more than 2°, the normals are those of
+/// Where the noise is found to be that of a depth camera ([`NoiseEstimate::correlation_length`]),
+/// and the networks expect to leave more than 2°, the normals are those of
 /// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 3.2 times
 /// the noise level at two edges ([`Automatic::approach`]).
 ///
@@ -450,11 +468,21 @@ struct Normals {
     expected_error: Option<f64>,
 }
 
+/// Returns `true` for an open surface whose noise is correlated, but not that of a depth camera.
+pub fn is_correlated(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
+    let border = mesh.topology().boundary_vertices().iter().filter(|is| **is).count();
+    level.correlation_length == 0.0
+        && level.correlation > CORRELATED
+        && border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
+}
+
 /// The normals by the networks.
 fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, DenoiseError> {
     let mesh = input.mesh();
     // Normals in stages; after each the surface follows them.
-    let model = Model::released().ok_or(DenoiseError::Model)?;
+    let is_correlated = is_correlated(mesh, &level) && level.correlation < SMOOTH;
+    let model = Model::released(is_correlated).ok_or(DenoiseError::Model)?;
+    let (factor, power) = if is_correlated { EXPECTED_CORRELATED } else { EXPECTED };
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
     let mut state = State::new(input, level);
     for networks in &model.stages {
@@ -464,7 +492,7 @@ fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, Denoise
     let variance = variance_of_means(&state);
     let evidence = Evidence::new(mesh, &state.hinges, &state.trust, variance);
     flatten(&evidence, &mut state.normals);
-    let expected_error = Some(EXPECTED.0 * libm::pow(state.apart, EXPECTED.1));
+    let expected_error = Some(factor * libm::pow(state.apart, power));
     let (sigma, limit) = (state.limit / FAR, state.limit);
     Ok(Normals { normals: state.normals, rings: state.rings, sigma, limit, expected_error })
 }

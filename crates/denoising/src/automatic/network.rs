@@ -17,6 +17,9 @@ pub const BATCH: usize = 6;
 /// The outputs of a layer whose sums are in registers together, for each of the samples.
 const COLUMNS: usize = 16;
 
+/// Inputs and outputs of each layer.
+pub const LAYERS: [[usize; 2]; 3] = [[INPUTS, HIDDEN], [HIDDEN, HIDDEN], [HIDDEN, OUTPUTS]];
+
 /// The numbers of a network in one list, in the order of [`Network::parts`].
 pub const PARAMETERS: usize =
     2 * INPUTS + (INPUTS + 1) * HIDDEN + (HIDDEN + 1) * HIDDEN + (HIDDEN + 1) * OUTPUTS;

@@ -2,9 +2,11 @@
 //! networks; and what tells the noise of depth cameras. Not part of the public interface.
 
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
+pub use super::is_correlated;
 pub use super::model::Model;
 pub use super::network::{
-    BATCH, HIDDEN, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Parts, Trace, combine, turn, weight,
+    BATCH, HIDDEN, LAYERS, LEAK, Layer, Network, OUTPUTS, PARAMETERS, Parts, Trace, combine, turn,
+    weight,
 };
 pub use super::stage::{advance, samples};
 pub use super::state::State;
