@@ -29,8 +29,8 @@ const WEIGHTS: [&str; 2] =
     ["crates/denoising/data/normals.bin", "crates/denoising/data/normals-correlated.bin"];
 
 /// The bits of their weights. Eight for both would make the page with the module for browsers a
-/// quarter of a megabyte smaller, but on single cases of the benchmark the rounding raises the error
-/// by up to 17 %; ten bits raise it by up to 5 %.
+/// quarter of a megabyte smaller. But on single cases of the benchmark the rounding would raise the
+/// error by up to 17 %; with ten it is up to 5 %.
 const BITS: [u32; 2] = [10, 8];
 
 /// A path of the repository, whose place was known when this program was built.
