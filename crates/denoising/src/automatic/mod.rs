@@ -64,7 +64,7 @@ const OPEN: f64 = 1.0;
 const CORRELATED: f64 = 0.05;
 
 /// The largest such correlation: beyond it a surface is smooth from vertex to vertex, and its waves
-/// are its shape. On the same views it is at most 0.36; on clean sheets of waves, at least 0.44.
+/// pass for shape. On the same views it is at most 0.36; on clean smooth sheets of waves, 0.44.
 const SMOOTH: f64 = 0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.

@@ -21,12 +21,12 @@ const HEADER: usize = 8 + 7 * 4 + 8;
 /// The bytes of a network: single precision for shift and scale of the inputs, and for the steps
 /// and the biases of all units; one byte for each weight of up to eight bits, else two.
 fn size(bits: u32) -> usize {
-    let layers = LAYERS.map(|[inputs, outputs]| (4 + bytes(bits) * inputs + 4) * outputs);
+    let layers = LAYERS.map(|[inputs, outputs]| (4 + width(bits) * inputs + 4) * outputs);
     4 * 2 * INPUTS + layers.iter().sum::<usize>()
 }
 
 /// The bytes of a weight.
-fn bytes(bits: u32) -> usize {
+fn width(bits: u32) -> usize {
     if bits <= 8 { 1 } else { 2 }
 }
 
@@ -127,7 +127,7 @@ fn read_network(bytes: &[u8], bits: u32) -> Network {
     let floats = |bytes: &[u8]| -> Vec<f32> {
         bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
     };
-    let width = self::bytes(bits);
+    let width = width(bits);
     let (inputs, mut rest) = bytes.split_at(4 * 2 * INPUTS);
     let mut numbers = floats(inputs);
     for [inputs, outputs] in LAYERS {
@@ -168,7 +168,7 @@ fn write_network(network: &Network, bits: u32, bytes: &mut Vec<u8>) {
         floats(&steps, bytes);
         for (w, step) in weights.iter().zip(steps.iter().cycle()) {
             let code = ((w / step).round() as i16).to_le_bytes();
-            bytes.extend(&code[..self::bytes(bits)]);
+            bytes.extend(&code[..width(bits)]);
         }
         floats(biases, bytes);
         rest = after;
