@@ -1,10 +1,14 @@
 //! The cases.
 
-use crate::families::{Family, Set, Triangulation};
 use anyhow::Result;
-use fairing_evaluation::{NoiseKind, NoiseLevel, Scan, ScanOptions, add_noise, scan};
+use fairing_evaluation::{
+    NoiseKind, NoiseLevel, Scan, ScanOptions, add_noise, at_closest_points, scan,
+};
 use fairing_mesh::TriMesh;
 use glam::DVec3;
+
+use crate::families::{Family, Kind, Set, Triangulation};
+use crate::volumes::{Grain, volume_surface};
 
 /// A model with noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,25 +19,34 @@ pub struct Case {
     pub triangulation: Triangulation,
     /// The approximate number of faces.
     pub faces: usize,
-    /// The pixels along the sides of the depth image of the model that gets the noise; `None` for
-    /// the model itself.
-    pub pixels: Option<[u32; 2]>,
-    /// The kind of noise; the camera is that of the depth image.
-    pub noise: NoiseKind,
-    /// The noise level, in mean edge lengths.
-    pub level: f64,
+    /// The seen surface, and its noise.
+    pub sight: Sight,
     /// The seed of proportions, triangulation and noise.
     pub seed: u64,
+}
+
+/// The surface of a model that is seen, and its noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sight {
+    /// The model itself, with noise of a level in mean edge lengths.
+    Model(NoiseKind, f64),
+    /// The depth image of a camera that has so many pixels along its sides; the camera of the noise
+    /// is the same.
+    View([u32; 2], NoiseKind, f64),
+    /// The surface that marching cubes finds in a volume with this noise, and its name.
+    Volume(&'static str, &'static [Grain]),
 }
 
 impl Case {
     /// Its name in tables: family, triangulation, noise and level, and the number
     /// of faces of large ones.
     pub fn name(&self) -> String {
-        let Self { family, triangulation, faces, pixels, noise, level, .. } = self;
-        if pixels.is_some() {
-            return format!("{family} scan {noise} {level}");
-        }
+        let Self { family, triangulation, faces, sight, .. } = self;
+        let (noise, level) = match sight {
+            Sight::Model(noise, level) => (noise, level),
+            Sight::View(_, noise, level) => return format!("{family} scan {noise} {level}"),
+            Sight::Volume(noise, _) => return format!("{family} volume {noise}"),
+        };
         let size = match faces {
             0..FACES => unreachable!("no case has fewer faces than {FACES}"),
             &FACES => String::new(),
@@ -49,15 +62,19 @@ impl Case {
 
     /// The truth, and the noisy mesh with the same faces.
     pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
-        let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
-        let (truth, noise) = match self.pixels {
-            None => (truth, self.noise),
-            Some(pixels) => {
-                let Scan { mesh, camera, .. } = view(&truth, pixels, self.seed)?;
-                (mesh, self.noise.with_camera(camera).unwrap_or(self.noise))
+        let model = self.family.mesh(self.faces, self.triangulation, self.seed);
+        let (truth, noise, level) = match self.sight {
+            Sight::Model(noise, level) => (model, noise, level),
+            Sight::View(pixels, noise, level) => {
+                let Scan { mesh, camera, .. } = view(&model, pixels, self.seed)?;
+                (mesh, noise.with_camera(camera).unwrap_or(noise), level)
+            }
+            Sight::Volume(_, grains) => {
+                let noisy = volume_surface(&model, VOLUME_FACES, grains, self.seed)?;
+                return Ok((at_closest_points(&noisy, &model)?, noisy));
             }
         };
-        let level = NoiseLevel::EdgeLengths(self.level);
+        let level = NoiseLevel::EdgeLengths(level);
         let noisy = add_noise(&truth, noise, level, self.seed)?;
         Ok((truth, noisy))
     }
@@ -90,6 +107,9 @@ pub(crate) fn unit(index: u64) -> f64 {
 /// The number of faces of most cases.
 const FACES: usize = 4000;
 
+/// The number of faces of large models, and of those of views and volumes.
+const SEEN_FACES: usize = 20_000;
+
 /// The cases of each family: triangulation and noise, with the levels that families take in turn.
 const PLAN: [(Triangulation, NoiseKind, &[f64]); 7] = [
     (Triangulation::Regular, NoiseKind::GaussianAlongNormals, &[0.3, 0.7, 0.2, 0.5, 0.3, 0.1]),
@@ -117,15 +137,15 @@ pub fn cases() -> Vec<Case> {
             for (k, (triangulation, noise, levels)) in PLAN.into_iter().enumerate() {
                 let seed = 100 * (family as u64 + 1) + k as u64;
                 let level = levels[(i + k) % levels.len()];
-                let (faces, pixels) = (FACES, None);
-                cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
+                let sight = Sight::Model(noise, level);
+                cases.push(Case { family, triangulation, faces: FACES, sight, seed });
             }
         }
     }
     for (k, (family, triangulation, noise, level)) in LARGE.into_iter().enumerate() {
         let seed = 10_000 + k as u64;
-        let (faces, pixels) = (20_000, None);
-        cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
+        let sight = Sight::Model(noise, level);
+        cases.push(Case { family, triangulation, faces: SEEN_FACES, sight, seed });
     }
     cases
 }
@@ -147,8 +167,45 @@ pub fn scans() -> Vec<Case> {
                 // Fused views are seen as the depth camera sees them.
                 let seed = 20_000 + 10 * (family as u64 + 1) + k as u64 % 2;
                 let triangulation = Triangulation::Regular;
-                let (faces, pixels) = (20_000, Some([110, 82]));
-                cases.push(Case { family, triangulation, faces, pixels, noise, level, seed });
+                let sight = Sight::View([110, 82], noise, level);
+                cases.push(Case { family, triangulation, faces: SEEN_FACES, sight, seed });
+            }
+        }
+    }
+    cases
+}
+
+/// The number of faces of the surfaces of volumes.
+const VOLUME_FACES: usize = 8000;
+
+/// The noise of volumes: independent at the nodes of the grid, filtered as that of tomographs, and
+/// of all lengths as that of fused depth images.
+const VOLUMES: [(&str, &[Grain]); 3] = [
+    ("independent", &[Grain { level: 0.1, length: 0.0 }]),
+    ("filtered", &[Grain { level: 0.2, length: 1.5 }]),
+    (
+        "fused",
+        &[
+            Grain { level: 0.05, length: 0.0 },
+            Grain { level: 0.15, length: 1.5 },
+            Grain { level: 0.5, length: 5.0 },
+        ],
+    ),
+];
+
+/// The surface of a volume of a model of each family with each of these, set by set. Open and thin
+/// models have no volume.
+pub fn volumes() -> Vec<Case> {
+    let mut cases = vec![];
+    for set in Set::ALL {
+        let open = [Family::Minimal, Family::Strokes];
+        let is_solid = |f: &Family| f.kind() != Kind::Thin && !open.contains(f);
+        for family in Family::ALL.iter().copied().filter(|f| f.set() == set && is_solid(f)) {
+            for (k, (name, grains)) in VOLUMES.into_iter().enumerate() {
+                let seed = 30_000 + 10 * (family as u64 + 1) + k as u64;
+                let triangulation = Triangulation::Regular;
+                let sight = Sight::Volume(name, grains);
+                cases.push(Case { family, triangulation, faces: SEEN_FACES, sight, seed });
             }
         }
     }
@@ -158,8 +215,6 @@ pub fn scans() -> Vec<Case> {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
-
-    use crate::families::Kind;
 
     use super::*;
 
@@ -190,8 +245,12 @@ mod tests {
         let all = scans();
         let names: BTreeSet<String> = all.iter().map(Case::name).collect();
         assert_eq!((all.len(), names.len()), (102, 102));
+        let noise_of = |case: &Case| match case.sight {
+            Sight::View(_, noise, level) => (noise, level),
+            _ => unreachable!("a scan is a view"),
+        };
         let (fused, others): (Vec<&Case>, Vec<&Case>) =
-            all.iter().partition(|case| matches!(case.noise, NoiseKind::Fused { .. }));
+            all.iter().partition(|case| matches!(noise_of(case).0, NoiseKind::Fused { .. }));
         for case in others.iter().step_by(11) {
             let (truth, noisy) = case.meshes().unwrap();
             assert_eq!(truth.faces(), noisy.faces());
@@ -199,13 +258,35 @@ mod tests {
             let pairs = truth.positions().iter().zip(noisy.positions());
             let sum: f64 = pairs.map(|(&p, &q)| DVec3::from(p).distance_squared(q.into())).sum();
             let level = (sum / truth.vertex_count() as f64).sqrt() / truth.mean_edge_length();
-            assert!((level / case.level - 1.0).abs() < 0.1, "{}: {level}", case.name());
+            assert!((level / noise_of(case).1 - 1.0).abs() < 0.1, "{}: {level}", case.name());
         }
         for (case, seen) in fused.iter().zip(others.iter().step_by(2)).step_by(11) {
-            assert!(matches!(seen.noise, NoiseKind::DepthCamera { .. }));
+            assert!(matches!(noise_of(seen).0, NoiseKind::DepthCamera { .. }));
             let ((truth, noisy), (same, _)) = (case.meshes().unwrap(), seen.meshes().unwrap());
             assert_eq!(truth, same, "{}", case.name());
             assert_ne!(truth, noisy, "{}", case.name());
+        }
+    }
+
+    /// Every surface of a volume is closed, or almost: noise may tear it where the model is thin.
+    #[test]
+    fn surfaces_of_volumes_lie_at_their_truth() {
+        let all = volumes();
+        let names: BTreeSet<String> = all.iter().map(Case::name).collect();
+        assert_eq!((all.len(), names.len()), (78, 78));
+        for Case { family, seed, .. } in all.iter().step_by(3) {
+            let model = family.mesh(FACES, Triangulation::Regular, *seed);
+            assert!(model.topology().is_closed(), "{family}");
+        }
+        for case in all.iter().step_by(13) {
+            let (truth, noisy) = case.meshes().unwrap();
+            assert!(noisy.topology().is_closed(), "{}", case.name());
+            assert!((6000..12_000).contains(&noisy.face_count()), "{}", case.name());
+            assert_eq!(truth.faces(), noisy.faces());
+            let pairs = truth.positions().iter().zip(noisy.positions());
+            let sum: f64 = pairs.map(|(&p, &q)| DVec3::from(p).distance_squared(q.into())).sum();
+            let level = (sum / truth.vertex_count() as f64).sqrt() / truth.mean_edge_length();
+            assert!((0.05..1.0).contains(&level), "{}: {level}", case.name());
         }
     }
 }

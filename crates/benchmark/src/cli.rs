@@ -50,6 +50,9 @@ pub(crate) struct Choice {
     /// of fused views, in place of the cases
     #[arg(long)]
     pub(crate) scans: bool,
+    /// Surfaces that marching cubes finds in noisy volumes of models, in place of the cases
+    #[arg(long, conflicts_with = "scans")]
+    pub(crate) volumes: bool,
     /// Only cases whose name contains one of these texts
     #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
     pub(crate) filter: Vec<String>,
@@ -79,7 +82,7 @@ pub(crate) struct Measure {
     pub(crate) csv: Option<PathBuf>,
     /// Keep the results of the automatic denoiser on all cases in docs/reference/automatic.csv, for
     /// the experiment "denoisers"
-    #[arg(long, conflicts_with_all = ["set", "scans", "filter", "denoiser", "csv"])]
+    #[arg(long, conflicts_with_all = ["set", "scans", "volumes", "filter", "denoiser", "csv"])]
     pub(crate) accept: bool,
     /// Write the true, noisy and denoised meshes into this folder
     #[arg(long, value_name = "DIR")]

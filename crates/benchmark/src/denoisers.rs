@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result};
 use fairing_benchmark::{
     Case, Found, Method, Pair, Published, Set, Summary, TrainingOptions, cases, correlated_pairs,
     denoiser, fitted, found, is_pair, pairs, scans, sightings, summary, train_normals,
-    training_pairs, tuned, written,
+    training_pairs, tuned, volumes, written,
 };
 use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
@@ -126,15 +126,20 @@ impl Choice {
     }
 
     fn cases(&self) -> Vec<Case> {
-        let mut all = if self.scans { scans() } else { cases() };
+        let mut all = match (self.scans, self.volumes) {
+            (true, _) => scans(),
+            (_, true) => volumes(),
+            _ => cases(),
+        };
         all.retain(|c| self.set.is_none_or(|s| c.set() == s) && self.has(&c.name()));
         all
     }
 
     /// The pairs of the literature, which belong to no set.
     fn pairs(&self, folder: Option<PathBuf>) -> Result<Vec<Pair>> {
-        let Some(folder) =
-            folder.or_else(meshes_folder).filter(|_| self.set.is_none() && !self.scans)
+        let Some(folder) = folder
+            .or_else(meshes_folder)
+            .filter(|_| self.set.is_none() && !self.scans && !self.volumes)
         else {
             return Ok(vec![]);
         };

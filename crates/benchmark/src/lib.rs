@@ -22,8 +22,9 @@ mod published;
 mod table;
 mod training;
 mod tune;
+mod volumes;
 
-pub use cases::{Case, cases, scans};
+pub use cases::{Case, Sight, cases, scans, volumes};
 pub use correlation::{Sighting, fitted, sightings};
 pub use families::{Family, Set, Triangulation};
 pub use measure::{Found, Summary, committed, found, summary, written};
@@ -34,3 +35,4 @@ pub use training::{
     TrainingOptions, TrainingPair, correlated_pairs, train_normals, training_pairs,
 };
 pub use tune::tuned;
+pub use volumes::{Grain, volume_surface};

@@ -6,6 +6,7 @@ mod features;
 mod fits;
 mod follow;
 mod impulses;
+mod merge;
 mod model;
 mod network;
 mod offset;
@@ -27,18 +28,19 @@ use glam::DVec3;
 
 use crate::faces::{FaceLists, Hinges};
 use crate::masked::on_oriented;
-use crate::noise_level::{NoiseEstimate, noisy_parts};
+use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
 use correlation::variance_of_means;
 use follow::{Follow, relabel};
 use impulses::Impulses;
+use merge::{Merged, Waves};
 use model::Model;
 use offset::in_the_middle;
 use parts::Part;
 use planes::{Evidence, flatten};
-use safety::{uneven_parts, without_flips};
+use safety::without_flips;
 use spikes::{without_impulses, without_spikes};
 use stage::{advance, blocks};
 use state::{FAR, State};
@@ -120,8 +122,8 @@ fairing_parameters::named!(SurfaceKind, "kind of surface",
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
-    /// The estimated noise of the noisiest connected parts, without spikes; `None` if the mesh is
-    /// too small for an estimate.
+    /// The estimated noise of the noisiest connected parts, without spikes, and without the short
+    /// edges of surfaces of volumes; `None` if the mesh is too small for an estimate.
     pub noise: Option<NoiseEstimate>,
     /// The kind of surface of the result; informative only.
     pub kind: SurfaceKind,
@@ -202,10 +204,10 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    numbers such as the residuals of the fits over σ̂, and assigns a
 ///    positive weight to each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    models (`cargo xtask benchmark train`) and built into this crate. Open surfaces whose
-///    residuals correlate across edges by 0.05 to 0.4 ([`NoiseEstimate::correlation`]) have
-///    networks of their own, trained on views and parts of models with the waves of fused views and
-///    other correlated noise, and on sheets of waves.
+///    models (`cargo xtask benchmark train`) and built into this crate. Open surfaces, and those of
+///    volumes, whose residuals correlate across edges by 0.05 to 0.4
+///    ([`NoiseEstimate::correlation`]) have networks of their own, trained on views and parts of
+///    models with the waves of fused views and other correlated noise, and on sheets of waves.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -232,6 +234,13 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
+///
+/// Marching cubes, which turns fused scans and tomographs into surfaces, leaves very short edges
+/// beside edges of ordinary length. On such surfaces of volumes (8 % to 35 % of the vertices have
+/// an edge shorter than a fifth of the mean around it, and at most 1 % of the edges are longer than
+/// 1.9 times that) the ends of edges shorter than 0.35 times the mean are merged in all steps,
+/// unless this would change the topology. At the end they are moved apart again, along the new
+/// surface.
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
@@ -273,23 +282,21 @@ pub fn automatic<'a>(
     let moved = on_oriented(mesh.into(), |input| {
         let original = input.mesh();
         let mesh = &*without_spikes(input)?;
-        let input = input.on(mesh);
+        let merged = Merged::new(input.on(mesh))?;
+        let input = merged.masked()?;
         let groups = noisy_parts(input);
-        noise = groups.first().map(|group| group.level);
-        let uneven = uneven_parts(mesh, &groups);
-        let parts = mesh.topology().components();
-        let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
-        uneven_vertices = (0..mesh.vertex_count() as u32).filter(is_uneven).count();
-        let may_move = movable(input);
-        let mut positions = mesh.positions().to_vec();
-        (spikes, farthest) = counted_spikes(original, &mut positions, |v| is_uneven(&v));
-        for mut group in groups {
-            group.components.retain(|&part| may_move[part as usize] && !uneven[part as usize]);
-            if group.components.is_empty() {
-                continue;
-            }
+        noise = groups.first().map(|group| merged.level(group));
+        let uneven = merged.uneven(&groups);
+        let is_uneven = |v: u32| merged.part(v).is_some_and(|part| uneven[part as usize]);
+        uneven_vertices = (0..mesh.vertex_count() as u32).filter(|&v| is_uneven(v)).count();
+        let mut may_move = movable(input);
+        may_move.iter_mut().zip(&uneven).for_each(|(may, uneven)| *may &= !uneven);
+        let mut start = mesh.positions().to_vec();
+        (spikes, farthest) = counted_spikes(original, &mut start, is_uneven);
+        let mut positions = merged.mesh.positions().to_vec();
+        for (group, settings) in tasks(&merged, groups, &may_move, options.strength) {
             let part = Part::new(input, &group.components)?;
-            let done = denoise_repeatedly(part.masked()?, group.level, options.strength)?;
+            let done = denoise_repeatedly(part.masked()?, group.level, settings)?;
             part.put_back(done.mesh.positions(), &mut positions);
             limit = limit.max(done.limit);
             approach = approach.or(done.approach);
@@ -298,6 +305,7 @@ pub fn automatic<'a>(
                 faces_denoised += done.mesh.face_count();
             }
         }
+        let positions = merged.spread(&start, positions)?;
         Ok(mesh.with_positions(positions)?)
     })?;
     limit += farthest;
@@ -321,6 +329,25 @@ pub fn automatic<'a>(
         expected_error,
         spikes,
     })
+}
+
+/// The parts that are denoised together: of each group those that may move, surfaces of volumes
+/// apart from others.
+fn tasks(
+    merged: &Merged<'_>,
+    groups: Vec<NoisyParts>,
+    may_move: &[bool],
+    strength: f64,
+) -> Vec<(NoisyParts, Settings)> {
+    let both = groups.into_iter().flat_map(|group| [(group.clone(), false), (group, true)]);
+    let tasks = both.map(|(mut group, is_volume)| {
+        group.components.retain(|&part| {
+            may_move[part as usize] && merged.is_volume[part as usize] == is_volume
+        });
+        let waves = merged.waves(&group).filter(|_| is_volume);
+        (group, Settings { strength, is_volume, waves })
+    });
+    tasks.filter(|(group, _)| !group.components.is_empty()).collect()
 }
 
 /// The number of spikes among positions and the distance of the farthest from its place; those that
@@ -372,20 +399,30 @@ impl Denoised {
     }
 }
 
+/// The strength of denoising, and the kind of surface.
+#[derive(Debug, Clone, Copy)]
+struct Settings {
+    strength: f64,
+    /// The surface of a volume, without its short edges.
+    is_volume: bool,
+    /// Its noise, as the edges that were merged show it.
+    waves: Option<Waves>,
+}
+
 /// Denoises a mesh whose noise has one level; under impulsive noise again and again, with impulses
 /// put on the surface that was found, as long as the other vertices get closer to it. Noise that is
 /// not worth removing stays.
 fn denoise_repeatedly(
     input: Masked<'_>,
     level: NoiseEstimate,
-    strength: f64,
+    settings: Settings,
 ) -> Result<Denoised, DenoiseError> {
     let mesh = input.mesh();
-    let is_weak = level.sigma * strength <= WEAK * mesh.mean_edge_length();
+    let is_weak = level.sigma * settings.strength <= WEAK * mesh.mean_edge_length();
     if is_weak && !level.is_impulsive() {
         return Ok(Denoised::clean(mesh.clone()));
     }
-    let mut done = denoise(input, level, strength)?;
+    let mut done = denoise(input, level, settings)?;
     if !level.is_impulsive() || done.approach != Some(Approach::Networks) {
         return Ok(done);
     }
@@ -397,7 +434,7 @@ fn denoise_repeatedly(
         let Some(impulses) = found else { break };
         let without = mesh.with_positions(impulses.moved_onto(mesh, &done.mesh))?;
         let Some(group) = noisy_parts(input.on(&without)).into_iter().next() else { break };
-        let next = denoise(input.on(&without), group.level, strength)?;
+        let next = denoise(input.on(&without), group.level, settings)?;
         found = Impulses::find(input, &next.mesh).filter(|next| next.rest < impulses.rest);
         if found.is_none() {
             break;
@@ -411,7 +448,7 @@ fn denoise_repeatedly(
 fn denoise(
     input: Masked<'_>,
     mut level: NoiseEstimate,
-    strength: f64,
+    settings: Settings,
 ) -> Result<Denoised, DenoiseError> {
     let without = match level.is_impulsive() {
         true => without_impulses(input, level.sigma)?,
@@ -423,18 +460,21 @@ fn denoise(
     {
         level = group.level;
     }
-    level.sigma *= strength;
-    level.wide_sigma *= strength;
+    if let Some(waves) = settings.waves {
+        level = waves.in_level(level);
+    }
+    level.sigma *= settings.strength;
+    level.wide_sigma *= settings.strength;
     if level.sigma <= ROUNDING * mesh.mean_edge_length() {
         return Ok(Denoised::clean(mesh.clone()));
     }
     let mut approach = Approach::Networks;
-    let mut normals = regressed(input, level)?;
+    let mut normals = regressed(input, level, settings.is_volume)?;
     if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
         approach = Approach::TotalGeneralisedVariation;
-        let two = level_at_scale(mesh, 2).unwrap_or(level.wide_sigma / strength);
+        let two = level_at_scale(mesh, 2).unwrap_or(level.wide_sigma / settings.strength);
         let two = two / mesh.mean_edge_length();
-        let weight = WEIGHT * strength * two;
+        let weight = WEIGHT * settings.strength * two;
         let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
         let sigma = level.wide_sigma;
         let filtered = filtered_normals(mesh, &options)?;
@@ -468,19 +508,32 @@ struct Normals {
     expected_error: Option<f64>,
 }
 
-/// Returns `true` for an open surface whose noise is correlated, but not that of a depth camera.
-pub fn is_correlated(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
+/// Returns `true` for a surface with a long border.
+fn is_open(mesh: &TriMesh) -> bool {
     let border = mesh.topology().boundary_vertices().iter().filter(|is| **is).count();
-    level.correlation_length == 0.0
-        && level.correlation > CORRELATED
-        && border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
+    border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
+}
+
+/// Returns `true` for noise that is correlated, but not that of a depth camera.
+fn has_waves(level: &NoiseEstimate) -> bool {
+    level.correlation_length == 0.0 && level.correlation > CORRELATED
+}
+
+/// Returns `true` for an open surface with such noise.
+pub fn is_correlated(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
+    has_waves(level) && is_open(mesh)
 }
 
 /// The normals by the networks.
-fn regressed(input: Masked<'_>, level: NoiseEstimate) -> Result<Normals, DenoiseError> {
+fn regressed(
+    input: Masked<'_>,
+    level: NoiseEstimate,
+    is_volume: bool,
+) -> Result<Normals, DenoiseError> {
     let mesh = input.mesh();
     // Normals in stages; after each the surface follows them.
-    let is_correlated = is_correlated(mesh, &level) && level.correlation < SMOOTH;
+    let is_shape = level.correlation >= SMOOTH || !(is_volume || is_open(mesh));
+    let is_correlated = has_waves(&level) && !is_shape;
     let model = Model::released(is_correlated).ok_or(DenoiseError::Model)?;
     let (factor, power) = if is_correlated { EXPECTED_CORRELATED } else { EXPECTED };
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);

@@ -1,0 +1,409 @@
+//! Surfaces of volumes, without their short edges.
+//!
+//! Marching cubes puts a vertex where an edge of a grid crosses the surface. Where the surface
+//! passes near a node of the grid, up to six vertices are close together. The thin faces between
+//! them carry no information about the surface, and their normals are those of the noise.
+
+use std::borrow::Cow;
+use std::ops::RangeInclusive;
+
+use fairing_mesh::TriMesh;
+use glam::DVec3;
+
+use super::safety::uneven_parts;
+use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
+use crate::{DenoiseError, Masked};
+
+/// The length below which an edge is very short, over the mean length of the edges at its ends.
+const VERY_SHORT: f64 = 0.2;
+
+/// The share of vertices with a very short edge on the surface of a volume: 0.11 to 0.24 by
+/// marching cubes with noise of up to a grid cell, less than 0.06 on other scans and models but
+/// tessellations, where it is often more.
+const SHARE: RangeInclusive<f64> = 0.08..=0.35;
+
+/// The length above which an edge is long, over the same mean, and the largest share of long edges:
+/// tessellations of CAD models have very short edges beside long ones.
+const LONG: (f64, f64) = (1.9, 0.01);
+
+/// The length below which edges are merged, over the same mean.
+const MERGED: f64 = 0.35;
+
+/// A mesh in which the surfaces of volumes are without their short edges.
+pub(super) struct Merged<'a> {
+    pub(super) mesh: Cow<'a, TriMesh>,
+    /// A flag for each vertex; empty if none is fixed.
+    fixed: Vec<bool>,
+    /// The merged vertex of each vertex; `None` where nothing is merged.
+    of: Option<Vec<u32>>,
+    /// For each connected part, `true` for the surface of a volume.
+    pub(super) is_volume: Vec<bool>,
+    /// For each connected part, the noise of a depth camera that the whole mesh shows.
+    waves: Vec<Option<Waves>>,
+}
+
+/// Noise that is correlated over several edges.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waves {
+    /// As in [`NoiseEstimate`].
+    length: f64,
+    sigma: f64,
+}
+
+impl Waves {
+    /// The level of noise that has these waves.
+    pub(super) fn in_level(self, mut level: NoiseEstimate) -> NoiseEstimate {
+        (level.correlation_length, level.wide_sigma) = (self.length, self.sigma);
+        level
+    }
+}
+
+impl<'a> Merged<'a> {
+    /// Merges the ends of short edges, in order of their lengths, where the surface stays the same.
+    pub(super) fn new(input: Masked<'a>) -> Result<Self, DenoiseError> {
+        let mesh = input.mesh();
+        let fixed = |v: usize| input.is_fixed(v);
+        let n = mesh.vertex_count();
+        let edges = Edges::new(mesh);
+        let is_volume = edges.volumes();
+        if !is_volume.contains(&true) {
+            let fixed = (0..n).map(fixed).collect();
+            let waves = vec![None; is_volume.len()];
+            return Ok(Self { mesh: Cow::Borrowed(mesh), fixed, of: None, is_volume, waves });
+        }
+        let mut clusters = Clusters::new(mesh, edges.local.clone());
+        for [a, b] in edges.short(&is_volume) {
+            if !fixed(a as usize) && !fixed(b as usize) {
+                clusters.merge(a, b);
+            }
+        }
+        let (positions, of) = clusters.numbered();
+        let faces = mesh.faces().iter().map(|face| face.map(|v| of[v as usize]));
+        let faces = faces.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        let mut flags = vec![false; positions.len()];
+        of.iter().enumerate().for_each(|(v, &to)| flags[to as usize] = fixed(v));
+        let merged = TriMesh::new(positions, faces)?;
+        let (before, after) = (mesh.topology().components(), merged.topology().components());
+        let mut new = vec![None; before.count()];
+        for (v, &to) in (0..).zip(&of) {
+            if let Some(part) = before.label(v) {
+                new[part as usize] = after.label(to).map(|part| part as usize);
+            }
+        }
+        let mut is_volume_now = vec![false; after.count()];
+        for (new, is_volume) in new.iter().zip(is_volume) {
+            new.iter().for_each(|&new| is_volume_now[new] = is_volume);
+        }
+        // The noise of a camera shows before edges are merged, and hardly ever after that.
+        let mut waves = vec![None; after.count()];
+        for NoisyParts { components, level } in noisy_parts(input) {
+            let (length, sigma) = (level.correlation_length, level.wide_sigma);
+            if length > 0.0 {
+                let found = components.iter().filter_map(|&part| new[part as usize]);
+                found.for_each(|part| waves[part] = Some(Waves { length, sigma }));
+            }
+        }
+        let (mesh, of) = (Cow::Owned(merged), Some(of));
+        Ok(Self { mesh, fixed: flags, of, is_volume: is_volume_now, waves })
+    }
+
+    /// The mesh with its fixed vertices.
+    pub(super) fn masked(&self) -> Result<Masked<'_>, DenoiseError> {
+        Ok(Masked::new(&self.mesh, &self.fixed)?)
+    }
+
+    /// The first waves of the noise of these parts.
+    pub(super) fn waves(&self, group: &NoisyParts) -> Option<Waves> {
+        group.components.iter().find_map(|&part| self.waves[part as usize])
+    }
+
+    /// The level of the noise of these parts, with its waves.
+    pub(super) fn level(&self, group: &NoisyParts) -> NoiseEstimate {
+        self.waves(group).map_or(group.level, |waves| waves.in_level(group.level))
+    }
+
+    /// The parts whose faces are too uneven. Those of volumes are not: no face is long.
+    pub(super) fn uneven(&self, groups: &[NoisyParts]) -> Vec<bool> {
+        let uneven = uneven_parts(&self.mesh, groups).into_iter();
+        uneven.zip(&self.is_volume).map(|(is_uneven, is_volume)| is_uneven && !is_volume).collect()
+    }
+
+    /// The part of a vertex.
+    pub(super) fn part(&self, v: u32) -> Option<u32> {
+        self.mesh.topology().components().label(self.vertex(v))
+    }
+
+    /// The merged vertex of a vertex.
+    fn vertex(&self, v: u32) -> u32 {
+        self.of.as_ref().map_or(v, |of| of[v as usize])
+    }
+
+    /// The positions of all vertices, from those of the merged ones. Vertices that were merged keep
+    /// their offsets from the middle along the new surface; where the middle has not moved, a
+    /// vertex is where it was at the `start`.
+    pub(super) fn spread(
+        &self,
+        start: &[[f64; 3]],
+        moved: Vec<[f64; 3]>,
+    ) -> Result<Vec<[f64; 3]>, DenoiseError> {
+        let moved = self.mesh.with_positions(moved)?;
+        let mut normals = vec![DVec3::ZERO; moved.vertex_count()];
+        let mut members = vec![0u32; moved.vertex_count()];
+        if self.of.is_some() {
+            for (f, face) in moved.faces().iter().enumerate() {
+                let area = DVec3::from(moved.area_vector(f));
+                face.iter().for_each(|&v| normals[v as usize] += area);
+            }
+        }
+        (0..start.len() as u32).for_each(|v| members[self.vertex(v) as usize] += 1);
+        let place = |(v, &from): (u32, &[f64; 3])| {
+            let to = self.vertex(v) as usize;
+            let (middle, target) = (self.mesh.positions()[to], moved.positions()[to]);
+            if middle == target {
+                return from;
+            }
+            if members[to] == 1 {
+                return target;
+            }
+            let offset = DVec3::from(from) - DVec3::from(middle);
+            (DVec3::from(target) + offset.reject_from(normals[to].normalize_or(DVec3::Z))).into()
+        };
+        Ok((0..).zip(start).map(place).collect())
+    }
+}
+
+/// The surface of a volume without its short edges; `None` for another mesh.
+///
+/// # Errors
+///
+/// [`DenoiseError::Build`] where numbers leave the range of floats.
+pub fn without_short_edges(mesh: &TriMesh) -> Result<Option<TriMesh>, DenoiseError> {
+    let merged = Merged::new(mesh.into())?;
+    Ok(merged.of.is_some().then(|| merged.mesh.into_owned()))
+}
+
+/// The edges of a mesh and their lengths.
+struct Edges<'a> {
+    mesh: &'a TriMesh,
+    lengths: Vec<f64>,
+    /// The mean length of the edges at each vertex.
+    local: Vec<f64>,
+}
+
+impl<'a> Edges<'a> {
+    fn new(mesh: &'a TriMesh) -> Self {
+        let lengths = mesh.edge_lengths();
+        let mut sums = vec![(0.0, 0u32); mesh.vertex_count()];
+        for (edge, length) in mesh.topology().edges().iter().zip(&lengths) {
+            for &v in edge {
+                let (sum, count) = &mut sums[v as usize];
+                *sum += length;
+                *count += 1;
+            }
+        }
+        let local = sums.into_iter().map(|(sum, count)| sum / f64::from(count.max(1))).collect();
+        Self { mesh, lengths, local }
+    }
+
+    /// The ends of each edge, and its length over the mean of those at its ends.
+    fn ratios(&self) -> impl Iterator<Item = ([u32; 2], f64)> {
+        self.mesh.topology().edges().iter().zip(&self.lengths).map(|(&[a, b], length)| {
+            let mean = 0.5 * (self.local[a as usize] + self.local[b as usize]);
+            ([a, b], if mean > 0.0 { length / mean } else { 1.0 })
+        })
+    }
+
+    /// Returns `true` for each connected part that is the surface of a volume.
+    fn volumes(&self) -> Vec<bool> {
+        let parts = self.mesh.topology().components();
+        let mut near = vec![false; self.mesh.vertex_count()];
+        let mut counts = vec![[0usize; 4]; parts.count()];
+        for ([a, b], ratio) in self.ratios() {
+            if ratio < VERY_SHORT {
+                [a, b].iter().for_each(|&v| near[v as usize] = true);
+            }
+            if let Some(part) = parts.label(a) {
+                let [edges, long, ..] = &mut counts[part as usize];
+                *edges += 1;
+                *long += usize::from(ratio > LONG.0);
+            }
+        }
+        for (v, near) in (0..).zip(near) {
+            if let Some(part) = parts.label(v) {
+                let [.., vertices, short] = &mut counts[part as usize];
+                *vertices += 1;
+                *short += usize::from(near);
+            }
+        }
+        let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
+        let is_volume = |[edges, long, vertices, short]: [usize; 4]| {
+            SHARE.contains(&share(short, vertices)) && share(long, edges) <= LONG.1
+        };
+        counts.into_iter().map(is_volume).collect()
+    }
+
+    /// The short edges of these parts, from the shortest to the longest.
+    fn short(&self, is_volume: &[bool]) -> Vec<[u32; 2]> {
+        let parts = self.mesh.topology().components();
+        let is_in = |v: u32| parts.label(v).is_some_and(|part| is_volume[part as usize]);
+        let mut all: Vec<([u32; 2], f64)> =
+            self.ratios().filter(|&([a, _], ratio)| ratio < MERGED && is_in(a)).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all.into_iter().map(|(edge, _)| edge).collect()
+    }
+}
+
+/// Sets of vertices that are merged.
+struct Clusters {
+    /// A vertex of the same cluster, nearer to its representative, which is its own.
+    parents: Vec<u32>,
+    /// Of each representative: the mean of the positions, the number of members, and the mean
+    /// length of edges around it.
+    middles: Vec<(DVec3, f64, f64)>,
+    neighbors: Vec<Vec<u32>>,
+    on_border: Vec<bool>,
+}
+
+impl Clusters {
+    fn new(mesh: &TriMesh, local: Vec<f64>) -> Self {
+        let topology = mesh.topology();
+        let all = 0..mesh.vertex_count() as u32;
+        let middles = mesh.positions().iter().zip(local).map(|(&p, l)| (p.into(), 1.0, l));
+        Self {
+            parents: all.clone().collect(),
+            middles: middles.collect(),
+            neighbors: all.map(|v| topology.neighbors(v).to_vec()).collect(),
+            on_border: topology.boundary_vertices().to_vec(),
+        }
+    }
+
+    fn representative(&mut self, mut v: u32) -> u32 {
+        while self.parents[v as usize] != v {
+            let next = self.parents[self.parents[v as usize] as usize];
+            self.parents[v as usize] = next;
+            v = next;
+        }
+        v
+    }
+
+    /// Merges the clusters of two vertices, unless their middles are too far from each other, or
+    /// the surface would touch itself: the clusters have the same neighbours only in the faces at
+    /// the edge between them.
+    fn merge(&mut self, a: u32, b: u32) {
+        let [a, b] = [self.representative(a), self.representative(b)].map(|v| v as usize);
+        if a == b {
+            return;
+        }
+        let ((p, count, length), (q, others, further)) = (self.middles[a], self.middles[b]);
+        if p.distance(q) >= MERGED * 0.5 * (length + further) {
+            return;
+        }
+        let common = self.neighbors[a].iter().filter(|v| self.neighbors[b].contains(v)).count();
+        if common > if self.on_border[a] && self.on_border[b] { 1 } else { 2 } {
+            return;
+        }
+        let all = count + others;
+        let mean = |x: f64, y: f64| (count * x + others * y) / all;
+        self.middles[a] = ((count * p + others * q) / all, all, mean(length, further));
+        self.on_border[a] |= self.on_border[b];
+        self.parents[b] = a as u32;
+        for v in std::mem::take(&mut self.neighbors[b]) {
+            let around = &mut self.neighbors[v as usize];
+            around.retain(|&w| w != b as u32);
+            if v != a as u32 {
+                if !around.contains(&(a as u32)) {
+                    around.push(a as u32);
+                }
+                if !self.neighbors[a].contains(&v) {
+                    self.neighbors[a].push(v);
+                }
+            }
+        }
+    }
+
+    /// The middles in the order of their first vertices, and the middle of each vertex.
+    fn numbered(mut self) -> (Vec<[f64; 3]>, Vec<u32>) {
+        let mut numbers = vec![u32::MAX; self.parents.len()];
+        let (mut positions, mut of) = (vec![], vec![]);
+        for v in 0..self.parents.len() as u32 {
+            let root = self.representative(v) as usize;
+            if numbers[root] == u32::MAX {
+                numbers[root] = positions.len() as u32;
+                positions.push(self.middles[root].0.into());
+            }
+            of.push(numbers[root]);
+        }
+        (positions, of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// A plane in which one vertex in four is near to its neighbour.
+    fn crowded() -> TriMesh {
+        let plane = shapes::plane(20, 20, shapes::Diagonals::Alternating);
+        let step = 1.0 / 20.0;
+        let moved = plane.positions().iter().map(|&[x, y, z]| {
+            let [i, j] = [x, y].map(|t| (t / step).round() as u32);
+            let is_inside = (1..18).contains(&i) && (1..20).contains(&j);
+            [if is_inside && i % 2 == 0 && j % 2 == 0 { x + 0.9 * step } else { x }, y, z]
+        });
+        plane.with_positions(moved.collect()).unwrap()
+    }
+
+    #[test]
+    fn short_edges_are_merged_and_all_vertices_return() {
+        let mesh = crowded();
+        let merged = Merged::new((&mesh).into()).unwrap();
+        assert_eq!(merged.is_volume, [true]);
+        let pairs = 8 * 9;
+        assert_eq!(merged.mesh.vertex_count(), mesh.vertex_count() - pairs);
+        assert_eq!(merged.mesh.face_count(), mesh.face_count() - 2 * pairs);
+        assert!(merged.mesh.topology().is_manifold());
+        assert_eq!(merged.mesh.topology().boundary_loops().len(), 1);
+        // Nothing moved, nothing changed.
+        let start = mesh.positions();
+        assert_eq!(merged.spread(start, merged.mesh.positions().to_vec()).unwrap(), start);
+        // A plane that is turned as a whole stays one, and near vertices keep their distance.
+        let turned = |&[x, y, z]: &[f64; 3]| [0.6 * x - 0.8 * z, y, 0.8 * x + 0.6 * z];
+        let target = merged.mesh.positions().iter().map(turned).collect();
+        let found = merged.spread(start, target).unwrap();
+        for (p, q) in found.iter().zip(start.iter().map(turned)) {
+            assert!((0.8 * p[0] - 0.6 * p[2]).abs() < 1e-12, "{p:?}");
+            assert!(DVec3::from(*p).distance(q.into()) < 0.03, "{p:?} {q:?}");
+        }
+    }
+
+    #[test]
+    fn fixed_vertices_and_other_surfaces_stay() {
+        let mesh = crowded();
+        let fixed = vec![true; mesh.vertex_count()];
+        let merged = Merged::new(Masked::new(&mesh, &fixed).unwrap()).unwrap();
+        assert_eq!(*merged.mesh, mesh);
+        let tube = shapes::cylinder(1.0, 2.0, 200, 1, shapes::Ends::Open);
+        for mesh in [tube, shapes::icosphere(3), shapes::cad_block(0.2), shapes::creature(24)] {
+            let noisy = shapes::jittered(&mesh, 0.3, 2, |p| p);
+            for mesh in [mesh, noisy] {
+                let merged = Merged::new((&mesh).into()).unwrap();
+                let vertices = mesh.vertex_count();
+                assert!(matches!(merged.mesh, Cow::Borrowed(_)), "{vertices} vertices");
+            }
+        }
+    }
+
+    /// A ring of three vertices around a tube is not closed: its cross-section is no face.
+    #[test]
+    fn a_thin_tube_stays_open() {
+        let tube = shapes::cylinder(0.1, 6.0, 3, 20, shapes::Ends::Open);
+        let edges = Edges::new(&tube);
+        let mut clusters = Clusters::new(&tube, edges.local.clone());
+        for [a, b] in edges.short(&[true]) {
+            clusters.merge(a, b);
+        }
+        assert_eq!(clusters.numbered().0.len(), tube.vertex_count());
+    }
+}
