@@ -22,6 +22,9 @@ const VERY_SHORT: f64 = 0.2;
 /// tessellations, where it is often more.
 const SHARE: RangeInclusive<f64> = 0.08..=0.35;
 
+/// The least number of vertices of such a surface: few have such shares by chance.
+const LEAST: usize = 500;
+
 /// The length above which an edge is long, over the same mean, and the largest share of long edges:
 /// tessellations of CAD models have very short edges beside long ones.
 const LONG: (f64, f64) = (1.9, 0.01);
@@ -237,7 +240,8 @@ impl<'a> Edges<'a> {
         }
         let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
         let is_volume = |[edges, long, vertices, short]: [usize; 4]| {
-            SHARE.contains(&share(short, vertices)) && share(long, edges) <= LONG.1
+            let are_few = share(long, edges) <= LONG.1;
+            vertices >= LEAST && are_few && SHARE.contains(&share(short, vertices))
         };
         counts.into_iter().map(is_volume).collect()
     }
@@ -343,14 +347,14 @@ mod tests {
 
     use super::*;
 
-    /// A plane in which one vertex in four is near to its neighbour.
+    /// A plane in which one vertex in six is near to its neighbour.
     fn crowded() -> TriMesh {
-        let plane = shapes::plane(20, 20, shapes::Diagonals::Alternating);
-        let step = 1.0 / 20.0;
+        let plane = shapes::plane(30, 30, shapes::Diagonals::Alternating);
+        let step = 1.0 / 30.0;
         let moved = plane.positions().iter().map(|&[x, y, z]| {
             let [i, j] = [x, y].map(|t| (t / step).round() as u32);
-            let is_inside = (1..18).contains(&i) && (1..20).contains(&j);
-            [if is_inside && i % 2 == 0 && j % 2 == 0 { x + 0.9 * step } else { x }, y, z]
+            let is_inside = (1..28).contains(&i) && (1..30).contains(&j);
+            [if is_inside && i % 2 == 0 && j % 3 == 0 { x + 0.9 * step } else { x }, y, z]
         });
         plane.with_positions(moved.collect()).unwrap()
     }
@@ -360,7 +364,7 @@ mod tests {
         let mesh = crowded();
         let merged = Merged::new((&mesh).into()).unwrap();
         assert_eq!(merged.is_volume, [true]);
-        let pairs = 8 * 9;
+        let pairs = 13 * 9;
         assert_eq!(merged.mesh.vertex_count(), mesh.vertex_count() - pairs);
         assert_eq!(merged.mesh.face_count(), mesh.face_count() - 2 * pairs);
         assert!(merged.mesh.topology().is_manifold());

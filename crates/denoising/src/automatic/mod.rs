@@ -236,11 +236,11 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// part does not change, and does not reduce the smoothing of a noisy one.
 ///
 /// Marching cubes, which turns fused scans and tomographs into surfaces, leaves very short edges
-/// beside edges of ordinary length. On such surfaces of volumes (8 % to 35 % of the vertices have
-/// an edge shorter than a fifth of the mean around it, and at most 1 % of the edges are longer than
-/// 1.9 times that) the ends of edges shorter than 0.35 times the mean are merged in all steps,
-/// unless this would change the topology. At the end they are moved apart again, along the new
-/// surface.
+/// beside edges of ordinary length. On such surfaces of volumes (8 % to 35 % of 500 vertices or
+/// more have an edge shorter than a fifth of the mean around it, and at most 1 % of the edges are
+/// longer than 1.9 times that) the ends of edges shorter than 0.35 times the mean are merged in all
+/// steps, unless this would change the topology. At the end they are moved apart again, along the
+/// new surface.
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
