@@ -32,6 +32,10 @@ const LONG: (f64, f64) = (1.9, 0.01);
 /// The length below which edges are merged, over the same mean.
 const MERGED: f64 = 0.35;
 
+/// The most neighbours of two vertices that are merged: marching cubes makes fewer, and the time of
+/// a merge grows with them.
+const HUB: usize = 64;
+
 /// A mesh in which the surfaces of volumes are without their short edges.
 pub(super) struct Merged<'a> {
     pub(super) mesh: Cow<'a, TriMesh>,
@@ -295,7 +299,7 @@ impl Clusters {
     /// the edge between them.
     fn merge(&mut self, a: u32, b: u32) {
         let [a, b] = [self.representative(a), self.representative(b)].map(|v| v as usize);
-        if a == b {
+        if a == b || self.neighbors[a].len() + self.neighbors[b].len() > HUB {
             return;
         }
         let ((p, count, length), (q, others, further)) = (self.middles[a], self.middles[b]);
@@ -409,5 +413,22 @@ mod tests {
             clusters.merge(a, b);
         }
         assert_eq!(clusters.numbered().0.len(), tube.vertex_count());
+    }
+
+    /// The ends of an edge of a fan are merged, but not in a fan of a hundred faces.
+    #[test]
+    fn hubs_stay() {
+        for (faces, left) in [(20, 20), (100, 101)] {
+            let around = (0..faces).map(|k| {
+                let (y, x) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(faces));
+                [x, y, 0.0]
+            });
+            let positions = std::iter::once([0.9, 0.0, 0.0]).chain(around).collect();
+            let fan = (0..faces).map(|k| [0, 1 + k, 1 + (k + 1) % faces]).collect();
+            let mesh = TriMesh::new(positions, fan).unwrap();
+            let mut clusters = Clusters::new(&mesh, vec![1.0; mesh.vertex_count()]);
+            clusters.merge(0, 1);
+            assert_eq!(clusters.numbered().0.len(), left);
+        }
     }
 }

@@ -515,13 +515,13 @@ fn is_open(mesh: &TriMesh) -> bool {
 }
 
 /// Returns `true` for noise that is correlated, but not that of a depth camera.
-fn has_waves(level: &NoiseEstimate) -> bool {
+fn has_correlated_noise(level: &NoiseEstimate) -> bool {
     level.correlation_length == 0.0 && level.correlation > CORRELATED
 }
 
 /// Returns `true` for an open surface with such noise.
 pub fn is_correlated(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
-    has_waves(level) && is_open(mesh)
+    has_correlated_noise(level) && is_open(mesh)
 }
 
 /// The normals by the networks.
@@ -533,7 +533,7 @@ fn regressed(
     let mesh = input.mesh();
     // Normals in stages; after each the surface follows them.
     let is_shape = level.correlation >= SMOOTH || !(is_volume || is_open(mesh));
-    let is_correlated = has_waves(&level) && !is_shape;
+    let is_correlated = has_correlated_noise(&level) && !is_shape;
     let model = Model::released(is_correlated).ok_or(DenoiseError::Model)?;
     let (factor, power) = if is_correlated { EXPECTED_CORRELATED } else { EXPECTED };
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
