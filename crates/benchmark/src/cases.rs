@@ -158,7 +158,8 @@ const SENSORS: [(NoiseKind, f64); 3] = [
     (NoiseKind::Fused { length: 8.0 }, 0.5),
 ];
 
-/// One view of a model of each family with each of these, set by set.
+/// One view of a model of each family with each of these, and a whole model with the waves of fused
+/// views, set by set.
 pub fn scans() -> Vec<Case> {
     let mut cases = vec![];
     for set in Set::ALL {
@@ -170,6 +171,10 @@ pub fn scans() -> Vec<Case> {
                 let sight = Sight::View([110, 82], noise, level);
                 cases.push(Case { family, triangulation, faces: SEEN_FACES, sight, seed });
             }
+            let [.., (noise, level)] = SENSORS;
+            let (seed, sight) = (20_005 + 10 * (family as u64 + 1), Sight::Model(noise, level));
+            let triangulation = Triangulation::Irregular;
+            cases.push(Case { family, triangulation, faces: FACES, sight, seed });
         }
     }
     cases
@@ -239,22 +244,25 @@ mod tests {
         }
     }
 
-    /// One view of each model with each noise, of the level that the name says.
+    /// Three views of each model, of the noise and level that the name says, and a whole one.
     #[test]
     fn scans_are_seen_and_noisy() {
         let all = scans();
         let names: BTreeSet<String> = all.iter().map(Case::name).collect();
-        assert_eq!((all.len(), names.len()), (102, 102));
+        assert_eq!((all.len(), names.len()), (136, 136));
         let noise_of = |case: &Case| match case.sight {
-            Sight::View(_, noise, level) => (noise, level),
-            _ => unreachable!("a scan is a view"),
+            Sight::View(_, noise, level) | Sight::Model(noise, level) => (noise, level),
+            Sight::Volume(..) => unreachable!("a scan is no volume"),
         };
+        let (views, whole): (Vec<&Case>, Vec<&Case>) =
+            all.iter().partition(|case| matches!(case.sight, Sight::View(..)));
         let (fused, others): (Vec<&Case>, Vec<&Case>) =
-            all.iter().partition(|case| matches!(noise_of(case).0, NoiseKind::Fused { .. }));
-        for case in others.iter().step_by(11) {
+            views.iter().partition(|case| matches!(noise_of(case).0, NoiseKind::Fused { .. }));
+        for case in others.iter().chain(&whole).step_by(11) {
             let (truth, noisy) = case.meshes().unwrap();
             assert_eq!(truth.faces(), noisy.faces());
-            assert!(truth.face_count() > 4000, "{}: {}", case.name(), truth.face_count());
+            let least = if let Sight::View(..) = case.sight { 4000 } else { 3000 };
+            assert!(truth.face_count() > least, "{}: {}", case.name(), truth.face_count());
             let pairs = truth.positions().iter().zip(noisy.positions());
             let sum: f64 = pairs.map(|(&p, &q)| DVec3::from(p).distance_squared(q.into())).sum();
             let level = (sum / truth.vertex_count() as f64).sqrt() / truth.mean_edge_length();

@@ -47,7 +47,7 @@ pub(crate) struct Choice {
     #[arg(long, value_name = "SET")]
     pub(crate) set: Option<Set>,
     /// Views of models with the noise of a depth camera, with correlated noise and with the waves
-    /// of fused views, in place of the cases
+    /// of fused views, and whole models with such waves, in place of the cases
     #[arg(long)]
     pub(crate) scans: bool,
     /// Surfaces that marching cubes finds in noisy volumes of models, in place of the cases
@@ -95,7 +95,7 @@ pub(crate) struct Measure {
 
 #[derive(Debug, Args)]
 pub(crate) struct Train {
-    /// Train the networks for open surfaces with correlated noise, on views and on cut models
+    /// Train the networks for correlated noise, on views and on cut models
     #[arg(long)]
     pub(crate) correlated: bool,
     /// Stages in a row

@@ -23,8 +23,7 @@ const PUBLISHED: &str = "docs/reference/published.csv";
 /// The results of the automatic denoiser, from the root.
 const AUTOMATIC: &str = "docs/reference/automatic.csv";
 
-/// The weights of the automatic denoiser, from the root: for all meshes, and for open surfaces with
-/// correlated noise.
+/// The weights of the automatic denoiser, from the root: for all meshes, and for correlated noise.
 const WEIGHTS: [&str; 2] =
     ["crates/denoising/data/normals.bin", "crates/denoising/data/normals-correlated.bin"];
 

@@ -2,8 +2,8 @@
 //! models by a camera, models of which a part is cut off, and sheets of waves.
 
 use anyhow::Result;
-use fairing_denoising::noise_level;
-use fairing_denoising::training::is_correlated;
+use fairing_denoising::training::is_open;
+use fairing_denoising::{NoiseEstimate, noise_level};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use rayon::prelude::*;
 
@@ -41,6 +41,9 @@ const ON_VIEWS: [(NoiseKind, f64); 9] = [
 /// The largest level of weak noise; the least is a hundredth of it.
 const WEAK: f64 = 0.04;
 
+/// The least correlation of residuals.
+const LEAST: f64 = 0.05;
+
 /// The fraction of models that get details: under weak noise, and otherwise.
 const DETAILED: [f64; 2] = [0.5, 0.2];
 
@@ -57,9 +60,9 @@ const SEEDS: [u64; 3] = [10_000_000, 20_000_000, 30_000_000];
 const SHEETS: u64 = 16;
 
 /// Noisy parts and views of models, half as many each as there are whole models of a source, and
-/// sheets of waves with independent noise; of all these, the meshes for which the denoiser takes
-/// the networks for correlated noise. Some have weak independent noise: the residuals of details
-/// and of short waves are correlated, too.
+/// sheets of waves with independent noise; of all these, the open meshes whose residuals are
+/// correlated ([`NoiseEstimate::correlation`]), but not as those of a depth camera. Some have weak
+/// independent noise: the residuals of details and of short waves are correlated, too.
 pub fn correlated_pairs(models: u64) -> Result<Vec<TrainingPair>> {
     let mut jobs = vec![];
     for (source, seeds) in sources(models / 2) {
@@ -74,8 +77,9 @@ pub fn correlated_pairs(models: u64) -> Result<Vec<TrainingPair>> {
     let sheets = SEEDS[2]..SEEDS[2] + SHEETS * models;
     jobs.extend(sheets.map(|seed| Job { source, sight: Sight::Whole, seed }));
     let pairs: Vec<TrainingPair> = jobs.into_par_iter().map(Job::pair).collect::<Result<_>>()?;
-    let is_taken = |pair: &TrainingPair| {
-        noise_level(&pair.noisy).is_some_and(|level| is_correlated(&pair.noisy, &level))
+    let is_taken = |TrainingPair { noisy, .. }: &TrainingPair| {
+        let is_correlated = |l: NoiseEstimate| l.correlation_length == 0.0 && l.correlation > LEAST;
+        is_open(noisy) && noise_level(noisy).is_some_and(is_correlated)
     };
     Ok(pairs.into_par_iter().filter(is_taken).collect())
 }

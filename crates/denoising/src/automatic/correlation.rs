@@ -1,10 +1,10 @@
-//! The variance of means over many vertices, where the noise is correlated.
+//! Noise that is correlated: how much, and the variance of means over many vertices.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::state::State;
+use super::state::{State, median, root_mean_square};
 
 /// A vertex with more neighbours than this is not looked past.
 const HUB: usize = 32;
@@ -12,7 +12,48 @@ const HUB: usize = 32;
 /// The variance of positions across the surface, times the sum of their correlations: the
 /// variance of the mean of n positions is this over n.
 pub(super) fn variance_of_means(state: &State<'_>) -> f64 {
-    state.variance * correlation_sum(state.mesh(), &displacements(state))
+    state.variance * correlation_over_two_rings(state)
+}
+
+/// The sum of the correlations of displacements up to two edges apart, as [`correlation_sum`].
+pub(super) fn correlation_over_two_rings(state: &State<'_>) -> f64 {
+    correlation_sum(state.mesh(), &displacements(state))
+}
+
+/// The correlation of the displacements of the vertices from the surface across edges, as
+/// [`across_edges`] with the vertices that may move.
+pub(super) fn correlation_across_edges(state: &State<'_>) -> f64 {
+    across_edges(state.mesh(), displacements(state), |v| !state.input.is_fixed(v))
+}
+
+/// The correlation of the numbers at the ends of the edges whose ends are both free. Numbers are
+/// cut off at the median of their sizes, so that few large ones do not decide. Zero if that is
+/// zero.
+fn across_edges(mesh: &TriMesh, mut numbers: Vec<f64>, is_free: impl Fn(usize) -> bool) -> f64 {
+    let sizes = (0..).zip(&numbers).filter(|(v, _)| is_free(*v)).map(|(_, x)| x.abs());
+    let most = median(sizes.collect());
+    if most == 0.0 {
+        return 0.0;
+    }
+    numbers.iter_mut().for_each(|x| *x = (*x / most).clamp(-1.0, 1.0));
+    let (mut products, mut squares) = (0.0, 0.0);
+    for edge in mesh.topology().edges() {
+        let [a, b] = edge.map(|v| v as usize);
+        if is_free(a) && is_free(b) {
+            let [x, y] = [a, b].map(|v| numbers[v]);
+            products += x * y;
+            squares += 0.5 * (x * x + y * y);
+        }
+    }
+    if squares > 0.0 { products / squares } else { 0.0 }
+}
+
+/// The root mean square displacement of the vertices that may move, times their trust.
+pub(super) fn mean_displacement(state: &State<'_>) -> f64 {
+    let offsets = displacements(state).into_iter().enumerate();
+    let free: Vec<f64> =
+        offsets.filter(|&(v, _)| !state.input.is_fixed(v)).map(|(_, x)| x).collect();
+    root_mean_square(&free)
 }
 
 /// The displacements of vertices from the surface, along its normals and times their trust.
@@ -62,7 +103,7 @@ mod tests {
     use super::*;
 
     /// Independent displacements count one by one, apart from chance; means of them over two rings
-    /// count as the number of vertices of about such a mean.
+    /// count as the number of vertices of about such a mean. Means of neighbours correlate.
     #[test]
     fn correlated_displacements_are_told_by_their_sums() {
         let mesh = shapes::plane(60, 60, shapes::Diagonals::Alternating);
@@ -89,5 +130,18 @@ mod tests {
         let independent = correlation_sum(&noisy, &white);
         assert!((1.0..1.4).contains(&independent), "{independent}");
         assert_eq!(correlation_sum(&noisy, &vec![0.0; noisy.vertex_count()]), 1.0);
+
+        let across = |numbers: &[f64]| across_edges(&noisy, numbers.to_vec(), |_| true);
+        let (apart, smooth) = (across(&white), across(&averaged(&white)));
+        assert!(apart.abs() < 0.03, "{apart}");
+        assert!((0.3..0.7).contains(&smooth), "{smooth}");
+        // Neither vertices that are fixed nor a few far ones decide.
+        let mut far = white.clone();
+        (0..2 * 61).for_each(|v| far[v] = 1e9);
+        assert!(across_edges(&noisy, far, |v| v >= 2 * 61).abs() < 0.03);
+        let mut few = averaged(&white);
+        (0..few.len()).step_by(97).for_each(|v| few[v] = -1e9);
+        assert!(across(&few) > 0.8 * smooth);
+        assert_eq!(across(&vec![0.0; noisy.vertex_count()]), 0.0);
     }
 }

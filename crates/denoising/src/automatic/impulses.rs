@@ -38,21 +38,12 @@ impl Impulses {
     /// Distances follow two normal distributions, fitted by expectation and maximisation. The
     /// narrow one is that of the vertices without impulses.
     pub(super) fn find(noisy: Masked<'_>, denoised: &TriMesh) -> Option<Self> {
-        let mesh = noisy.mesh();
-        let pairs = mesh.positions().iter().zip(denoised.positions());
-        let distances: Vec<f64> = pairs.map(|(&p, &x)| DVec3::from(p).distance(x.into())).collect();
-        let free: Vec<usize> = (0..distances.len()).filter(|&v| !noisy.is_fixed(v)).collect();
-        let around = mean_squares_around(mesh, &distances);
-        let mut relative: Vec<f64> = (free.iter().filter(|&&v| around[v] > 0.0))
-            .map(|&v| distances[v] / around[v].sqrt())
-            .collect();
-        let middle = relative.len() / 2;
-        if relative.is_empty()
-            || *relative.select_nth_unstable_by(middle, f64::total_cmp).1 > MOST_MEDIAN
-        {
+        let distances = distances(noisy.mesh(), denoised);
+        if !are_uneven(noisy, &distances) {
             return None;
         }
-        let rest = narrow_deviation(free.iter().map(|&v| distances[v]).collect());
+        let free = (0..distances.len()).filter(|&v| !noisy.is_fixed(v));
+        let rest = narrow_deviation(free.map(|v| distances[v]).collect());
         let is_impulse = (distances.iter().enumerate())
             .map(|(v, &d)| d > OUTLYING * rest && !noisy.is_fixed(v))
             .collect();
@@ -64,6 +55,29 @@ impl Impulses {
         let pairs = noisy.positions().iter().zip(denoised.positions());
         pairs.zip(&self.is_impulse).map(|((&p, &x), is)| if *is { x } else { p }).collect()
     }
+}
+
+/// Returns `true` if the vertices differ in their distance from a surface as impulses and others
+/// do.
+pub(super) fn has_impulses(noisy: Masked<'_>, surface: &TriMesh) -> bool {
+    are_uneven(noisy, &distances(noisy.mesh(), surface))
+}
+
+/// Returns `true` if the distances of the vertices that may move differ from vertex to vertex as
+/// those of impulses do.
+fn are_uneven(noisy: Masked<'_>, distances: &[f64]) -> bool {
+    let around = mean_squares_around(noisy.mesh(), distances);
+    let free = (0..distances.len()).filter(|&v| !noisy.is_fixed(v) && around[v] > 0.0);
+    let mut relative: Vec<f64> = free.map(|v| distances[v] / around[v].sqrt()).collect();
+    let middle = relative.len() / 2;
+    !relative.is_empty()
+        && *relative.select_nth_unstable_by(middle, f64::total_cmp).1 <= MOST_MEDIAN
+}
+
+/// The distance of each vertex from its place in the denoised mesh.
+fn distances(noisy: &TriMesh, denoised: &TriMesh) -> Vec<f64> {
+    let pairs = noisy.positions().iter().zip(denoised.positions());
+    pairs.map(|(&p, &x)| DVec3::from(p).distance(x.into())).collect()
 }
 
 /// The mean of the squares of the distances over two rings around each vertex; zero without faces.

@@ -21,6 +21,7 @@ pub mod training;
 mod wide;
 
 use std::borrow::Cow;
+use std::ops;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -32,9 +33,11 @@ use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
-use correlation::variance_of_means;
+use correlation::{
+    correlation_across_edges, correlation_over_two_rings, mean_displacement, variance_of_means,
+};
 use follow::{Follow, relabel};
-use impulses::Impulses;
+use impulses::{Impulses, has_impulses};
 use merge::{Merged, Waves};
 use model::Model;
 use offset::in_the_middle;
@@ -56,17 +59,27 @@ const ROUNDING: f64 = 1e-7;
 /// than noise of this level, and less than noise three times as strong.
 const WEAK: f64 = 1e-3;
 
+/// The least sum of the correlations of the displacements over two rings in long waves; 3 to 6 for
+/// noise that is correlated over two edges.
+const LONG_WAVES: f64 = 5.0;
+
 /// The least number of border vertices of an open surface, as a multiple of the root of the number
 /// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
 const OPEN: f64 = 1.0;
 
-/// The least correlation of residuals across edges of correlated noise; independent noise makes it
-/// negative. On views of models of the development set, nine in ten with correlated noise or the
-/// waves of fused views exceed it, and one in fifty with independent noise.
-const CORRELATED: f64 = 0.05;
+/// The least correlation of displacements across edges that shows correlated noise. On models and
+/// views of the development set it is below 0.01 under independent noise of 0.05 edges or more, and
+/// above 0.25 under correlated noise.
+const CORRELATED: f64 = 0.15;
 
-/// The largest such correlation: beyond it a surface is smooth from vertex to vertex, and its waves
-/// pass for shape. On the same views it is at most 0.36; on clean smooth sheets of waves, 0.44.
+/// The displacements by the networks for correlated noise over those by the others, where both find
+/// the same noise. On closed models of the development set the others are better there; on views of
+/// them they are not.
+const ALIKE: ops::Range<f64> = 0.8..1.05;
+
+/// The largest correlation of residuals on open surfaces with correlated noise: beyond it they are
+/// smooth from vertex to vertex, and waves pass for shape. On views of the development set it is at
+/// most 0.36; on clean smooth sheets of waves, 0.44.
 const SMOOTH: f64 = 0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.
@@ -204,10 +217,13 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    numbers such as the residuals of the fits over σ̂, and assigns a
 ///    positive weight to each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    models (`cargo xtask benchmark train`) and built into this crate. Open surfaces, and those of
-///    volumes, whose residuals correlate across edges by 0.05 to 0.4
-///    ([`NoiseEstimate::correlation`]) have networks of their own, trained on views and parts of
-///    models with the waves of fused views and other correlated noise, and on sheets of waves.
+///    models (`cargo xtask benchmark train`) and built into this crate. If the displacements of the
+///    vertices correlate across edges by more than 0.15 after the last stage, as under the waves of
+///    fused scans or where details were taken for noise, the stages begin anew with networks that
+///    are trained on such noise. These are taken on open surfaces that are not smooth from vertex
+///    to vertex ([`NoiseEstimate::correlation`] below 0.4). On closed ones they are taken where they
+///    displace the vertices by less than 0.8 times as much (root mean square), or by more than 1.05
+///    times in long waves: the correlations of displacements up to two edges apart sum up to 5.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -345,7 +361,7 @@ fn tasks(
             may_move[part as usize] && merged.is_volume[part as usize] == is_volume
         });
         let waves = merged.waves(&group).filter(|_| is_volume);
-        (group, Settings { strength, is_volume, waves })
+        (group, Settings { strength, waves, may_be_correlated: true })
     });
     tasks.filter(|(group, _)| !group.components.is_empty()).collect()
 }
@@ -399,14 +415,14 @@ impl Denoised {
     }
 }
 
-/// The strength of denoising, and the kind of surface.
+/// The strength of denoising, and the noise that is looked for.
 #[derive(Debug, Clone, Copy)]
 struct Settings {
     strength: f64,
-    /// The surface of a volume, without its short edges.
-    is_volume: bool,
-    /// Its noise, as the edges that were merged show it.
+    /// The noise of the surface of a volume, as the edges that were merged show it.
     waves: Option<Waves>,
+    /// No impulses have been found.
+    may_be_correlated: bool,
 }
 
 /// Denoises a mesh whose noise has one level; under impulsive noise again and again, with impulses
@@ -430,6 +446,7 @@ fn denoise_repeatedly(
     if is_weak && found.is_none() {
         return Ok(Denoised::clean(mesh.clone()));
     }
+    let settings = Settings { may_be_correlated: false, ..settings };
     for _ in 0..ROUNDS {
         let Some(impulses) = found else { break };
         let without = mesh.with_positions(impulses.moved_onto(mesh, &done.mesh))?;
@@ -469,7 +486,7 @@ fn denoise(
         return Ok(Denoised::clean(mesh.clone()));
     }
     let mut approach = Approach::Networks;
-    let mut normals = regressed(input, level, settings.is_volume)?;
+    let mut normals = regressed(input, level, settings.may_be_correlated)?;
     if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
         approach = Approach::TotalGeneralisedVariation;
         let two = level_at_scale(mesh, 2).unwrap_or(level.wide_sigma / settings.strength);
@@ -509,43 +526,71 @@ struct Normals {
 }
 
 /// Returns `true` for a surface with a long border.
-fn is_open(mesh: &TriMesh) -> bool {
+pub fn is_open(mesh: &TriMesh) -> bool {
     let border = mesh.topology().boundary_vertices().iter().filter(|is| **is).count();
     border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
 }
 
-/// Returns `true` for noise that is correlated, but not that of a depth camera.
-fn has_correlated_noise(level: &NoiseEstimate) -> bool {
-    level.correlation_length == 0.0 && level.correlation > CORRELATED
+/// Returns `true` if the displacements of the last stage show that the noise is correlated. That of
+/// a depth camera was found before. Between impulses, the displacements of the other vertices are
+/// correlated, too.
+fn is_correlated(state: &State<'_>) -> bool {
+    state.level.correlation_length == 0.0
+        && correlation_across_edges(state) > CORRELATED
+        && !has_impulses(state.input, &state.surface)
 }
 
-/// Returns `true` for an open surface with such noise.
-pub fn is_correlated(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
-    has_correlated_noise(level) && is_open(mesh)
-}
-
-/// The normals by the networks.
-fn regressed(
-    input: Masked<'_>,
+/// The last stage of one of the released models.
+fn after_stages<'a>(
+    input: Masked<'a>,
     level: NoiseEstimate,
-    is_volume: bool,
-) -> Result<Normals, DenoiseError> {
-    let mesh = input.mesh();
-    // Normals in stages; after each the surface follows them.
-    let is_shape = level.correlation >= SMOOTH || !(is_volume || is_open(mesh));
-    let is_correlated = has_correlated_noise(&level) && !is_shape;
-    let model = Model::released(is_correlated).ok_or(DenoiseError::Model)?;
-    let (factor, power) = if is_correlated { EXPECTED_CORRELATED } else { EXPECTED };
-    fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
+    for_correlated: bool,
+) -> Result<State<'a>, DenoiseError> {
+    let model = Model::released(for_correlated).ok_or(DenoiseError::Model)?;
+    let blocks = blocks(input.mesh().face_count());
+    fairing_watch::stage("normals", (model.stages.len() * blocks) as u64);
     let mut state = State::new(input, level);
     for networks in &model.stages {
         advance(&mut state, networks)?;
+    }
+    Ok(state)
+}
+
+/// Returns `true` if the networks for correlated noise find long waves on a closed surface that the
+/// others took for shape, or keep details that these took for noise.
+fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
+    let ratio = mean_displacement(for_correlated) / mean_displacement(others);
+    ratio < ALIKE.start
+        || ratio >= ALIKE.end && correlation_over_two_rings(for_correlated) > LONG_WAVES
+}
+
+/// The normals by the networks. If these show that the noise is correlated, by those for such
+/// noise: on open surfaces, and on closed ones if they know better.
+fn regressed(
+    input: Masked<'_>,
+    level: NoiseEstimate,
+    may_be_correlated: bool,
+) -> Result<Normals, DenoiseError> {
+    let mesh = input.mesh();
+    let mut state = after_stages(input, level, false)?;
+    let expected = |state: &State<'_>, (factor, power)| factor * libm::pow(state.apart, power);
+    let mut expected_error = expected(&state, EXPECTED);
+    let is_open = is_open(mesh);
+    let is_smooth = is_open && level.correlation >= SMOOTH;
+    if may_be_correlated && !is_smooth && is_correlated(&state) {
+        let other = after_stages(input, level, true)?;
+        let expected = expected(&other, EXPECTED_CORRELATED);
+        if is_open {
+            (state, expected_error) = (other, expected);
+        } else if knows_better(&other, &state) {
+            (state, expected_error) = (other, expected.max(expected_error));
+        }
     }
     // Faces that lie in one plane take its normal.
     let variance = variance_of_means(&state);
     let evidence = Evidence::new(mesh, &state.hinges, &state.trust, variance);
     flatten(&evidence, &mut state.normals);
-    let expected_error = Some(factor * libm::pow(state.apart, power));
+    let expected_error = Some(expected_error);
     let (sigma, limit) = (state.limit / FAR, state.limit);
     Ok(Normals { normals: state.normals, rings: state.rings, sigma, limit, expected_error })
 }

@@ -33,7 +33,7 @@ fn width(bits: u32) -> usize {
 /// The networks for all meshes.
 const FOR_ALL: &[u8] = include_bytes!("../../data/normals.bin");
 
-/// The networks for open surfaces with correlated noise.
+/// The networks for correlated noise.
 const FOR_CORRELATED: &[u8] = include_bytes!("../../data/normals-correlated.bin");
 
 /// The stages, in their order.
@@ -48,8 +48,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of this release for all meshes, or that for open surfaces with correlated noise;
-    /// `None` if the bytes were damaged in the build.
+    /// The model of this release for all meshes, or that for correlated noise; `None` if the bytes
+    /// were damaged in the build.
     pub fn released(is_correlated: bool) -> Option<&'static Self> {
         static ALL: OnceLock<Option<Model>> = OnceLock::new();
         static CORRELATED: OnceLock<Option<Model>> = OnceLock::new();

@@ -234,7 +234,7 @@ fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
 }
 
 /// The median; zero without numbers.
-fn median(mut numbers: Vec<f64>) -> f64 {
+pub(super) fn median(mut numbers: Vec<f64>) -> f64 {
     let middle = numbers.len() / 2;
     if numbers.is_empty() {
         return 0.0;
@@ -242,6 +242,6 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-fn root_mean_square(numbers: &[f64]) -> f64 {
+pub(super) fn root_mean_square(numbers: &[f64]) -> f64 {
     (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt()
 }

@@ -3,7 +3,7 @@
 //! interface.
 
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
-pub use super::is_correlated;
+pub use super::is_open;
 pub use super::merge::without_short_edges;
 pub use super::model::Model;
 pub use super::network::{
