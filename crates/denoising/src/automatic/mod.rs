@@ -158,7 +158,7 @@ pub struct Automatic {
     /// does not see what both overlook and is too high where impulses are then taken out: in
     /// 135 of the 156 benchmark cases that were not used for the fit it was within a factor of two
     /// of the actual angle. For total generalised variation it follows from the noise level at two
-    /// edges. Under correlated noise and that of a depth camera it was within a factor of two on 60
+    /// edges. Under correlated noise and that of a depth camera it was within a factor of two on 63
     /// of the 66 views that were not used for the fits.
     pub expected_error: Option<f64>,
 }
@@ -221,9 +221,10 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    vertices correlate across edges by more than 0.15 after the last stage, as under the waves of
 ///    fused scans or where details were taken for noise, the stages begin anew with networks that
 ///    are trained on such noise. These are taken on open surfaces that are not smooth from vertex
-///    to vertex ([`NoiseEstimate::correlation`] below 0.4). On closed ones they are taken where they
-///    displace the vertices by less than 0.8 times as much (root mean square), or by more than 1.05
-///    times in long waves: the correlations of displacements up to two edges apart sum up to 5.
+///    to vertex ([`NoiseEstimate::correlation`] below 0.4). On closed ones they are taken if they
+///    displace the vertices by less than 0.8 times as much (root mean square), or by more than
+///    1.05 times in long waves: the correlations of displacements up to two edges apart sum up to
+///    5.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
