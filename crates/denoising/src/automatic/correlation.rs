@@ -6,8 +6,18 @@ use rayon::prelude::*;
 
 use super::state::{State, median, root_mean_square};
 
+/// The least number of border vertices of an open surface, as a multiple of the root of the number
+/// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
+const OPEN: f64 = 1.0;
+
 /// A vertex with more neighbours than this is not looked past.
 const HUB: usize = 32;
+
+/// Returns `true` for a surface with a long border.
+pub fn is_open(mesh: &TriMesh) -> bool {
+    let border = mesh.topology().boundary_vertices().iter().filter(|is| **is).count();
+    border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
+}
 
 /// The variance of positions across the surface, times the sum of their correlations: the
 /// variance of the mean of n positions is this over n.

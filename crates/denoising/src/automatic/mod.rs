@@ -34,7 +34,8 @@ use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
 use correlation::{
-    correlation_across_edges, correlation_over_two_rings, mean_displacement, variance_of_means,
+    correlation_across_edges, correlation_over_two_rings, is_open, mean_displacement,
+    variance_of_means,
 };
 use follow::{Follow, relabel};
 use impulses::{Impulses, has_impulses};
@@ -63,10 +64,6 @@ const WEAK: f64 = 1e-3;
 /// noise that is correlated over two edges.
 const LONG_WAVES: f64 = 5.0;
 
-/// The least number of border vertices of an open surface, as a multiple of the root of the number
-/// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
-const OPEN: f64 = 1.0;
-
 /// The least correlation of displacements across edges that shows correlated noise. On models and
 /// views of the development set it is below 0.01 under independent noise of 0.05 edges or more, and
 /// above 0.25 under correlated noise.
@@ -76,6 +73,11 @@ const CORRELATED: f64 = 0.15;
 /// the same noise. On closed models of the development set the others are better there; on views of
 /// them they are not.
 const ALIKE: ops::Range<f64> = 0.8..1.05;
+
+/// The correlation of residuals on open surfaces above which the networks for correlated noise are
+/// taken in any case: nine in ten views of models of the development set with correlated noise, and
+/// one in fifty with independent noise.
+const ROUGH: f64 = 0.05;
 
 /// The largest correlation of residuals on open surfaces with correlated noise: beyond it they are
 /// smooth from vertex to vertex, and waves pass for shape. On views of the development set it is at
@@ -220,9 +222,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    models (`cargo xtask benchmark train`) and built into this crate. If the displacements of the
 ///    vertices correlate across edges by more than 0.15 after the last stage, as under the waves of
 ///    fused scans or where details were taken for noise, the stages begin anew with networks that
-///    are trained on such noise. These are taken on open surfaces that are not smooth from vertex
-///    to vertex ([`NoiseEstimate::correlation`] below 0.4). On closed ones they are taken if they
-///    displace the vertices by less than 0.8 times as much (root mean square), or by more than
+///    are trained on such noise. These are taken on open surfaces whose residuals correlate by 0.05
+///    to 0.4 ([`NoiseEstimate::correlation`]). On closed ones, and below 0.05, they are taken if
+///    they displace the vertices by less than 0.8 times as much (root mean square), or by more than
 ///    1.05 times in long waves: the correlations of displacements up to two edges apart sum up to
 ///    5.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
@@ -526,12 +528,6 @@ struct Normals {
     expected_error: Option<f64>,
 }
 
-/// Returns `true` for a surface with a long border.
-pub fn is_open(mesh: &TriMesh) -> bool {
-    let border = mesh.topology().boundary_vertices().iter().filter(|is| **is).count();
-    border as f64 > OPEN * (mesh.vertex_count() as f64).sqrt()
-}
-
 /// Returns `true` if the displacements of the last stage show that the noise is correlated. That of
 /// a depth camera was found before. Between impulses, the displacements of the other vertices are
 /// correlated, too.
@@ -557,8 +553,8 @@ fn after_stages<'a>(
     Ok(state)
 }
 
-/// Returns `true` if the networks for correlated noise find long waves on a closed surface that the
-/// others took for shape, or keep details that these took for noise.
+/// Returns `true` if the networks for correlated noise find long waves that the others took for
+/// shape, or keep details that these took for noise.
 fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
     let ratio = mean_displacement(for_correlated) / mean_displacement(others);
     ratio < ALIKE.start
@@ -566,7 +562,7 @@ fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
 }
 
 /// The normals by the networks. If these show that the noise is correlated, by those for such
-/// noise: on open surfaces, and on closed ones if they know better.
+/// noise: on rough open surfaces, and on closed and other open ones if they know better.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,
@@ -578,10 +574,11 @@ fn regressed(
     let mut expected_error = expected(&state, EXPECTED);
     let is_open = is_open(mesh);
     let is_smooth = is_open && level.correlation >= SMOOTH;
+    let is_rough = is_open && level.correlation > ROUGH;
     if may_be_correlated && !is_smooth && is_correlated(&state) {
         let other = after_stages(input, level, true)?;
         let expected = expected(&other, EXPECTED_CORRELATED);
-        if is_open {
+        if is_rough {
             (state, expected_error) = (other, expected);
         } else if knows_better(&other, &state) {
             (state, expected_error) = (other, expected.max(expected_error));

@@ -2,8 +2,8 @@
 //! and what tells the noise of depth cameras and the surfaces of volumes. Not part of the public
 //! interface.
 
+pub use super::correlation::is_open;
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
-pub use super::is_open;
 pub use super::merge::without_short_edges;
 pub use super::model::Model;
 pub use super::network::{
