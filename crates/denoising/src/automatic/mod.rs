@@ -74,15 +74,12 @@ const CORRELATED: f64 = 0.15;
 /// them they are not.
 const ALIKE: ops::Range<f64> = 0.8..1.05;
 
-/// The correlation of residuals on open surfaces above which the networks for correlated noise are
-/// taken in any case: nine in ten views of models of the development set with correlated noise, and
-/// one in fifty with independent noise.
-const ROUGH: f64 = 0.05;
-
-/// The largest correlation of residuals on open surfaces with correlated noise: beyond it they are
-/// smooth from vertex to vertex, and waves pass for shape. On views of the development set it is at
-/// most 0.36; on clean smooth sheets of waves, 0.44.
-const SMOOTH: f64 = 0.4;
+/// The correlation of residuals on open surfaces for which the networks for correlated noise are
+/// taken in any case. Of views of models of the development set nine in ten with correlated noise
+/// exceed the lower limit, and one in fifty with independent noise. Beyond the upper one a surface
+/// is smooth from vertex to vertex, waves pass for shape, and these networks are never taken: on
+/// the same views it is at most 0.36; on clean smooth sheets of waves, 0.44.
+const RESIDUALS: ops::Range<f64> = 0.05..0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
@@ -537,7 +534,7 @@ fn is_correlated(state: &State<'_>) -> bool {
         && !has_impulses(state.input, &state.surface)
 }
 
-/// The last stage of one of the released models.
+/// The state after the last stage of a released model.
 fn after_stages<'a>(
     input: Masked<'a>,
     level: NoiseEstimate,
@@ -562,7 +559,7 @@ fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
 }
 
 /// The normals by the networks. If these show that the noise is correlated, by those for such
-/// noise: on rough open surfaces, and on closed and other open ones if they know better.
+/// noise: on open surfaces whose residuals are correlated, and on others if they know better.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,
@@ -573,12 +570,11 @@ fn regressed(
     let expected = |state: &State<'_>, (factor, power)| factor * libm::pow(state.apart, power);
     let mut expected_error = expected(&state, EXPECTED);
     let is_open = is_open(mesh);
-    let is_smooth = is_open && level.correlation >= SMOOTH;
-    let is_rough = is_open && level.correlation > ROUGH;
+    let is_smooth = is_open && level.correlation >= RESIDUALS.end;
     if may_be_correlated && !is_smooth && is_correlated(&state) {
         let other = after_stages(input, level, true)?;
         let expected = expected(&other, EXPECTED_CORRELATED);
-        if is_rough {
+        if is_open && level.correlation > RESIDUALS.start {
             (state, expected_error) = (other, expected);
         } else if knows_better(&other, &state) {
             (state, expected_error) = (other, expected.max(expected_error));
