@@ -183,9 +183,9 @@ pub fn scans() -> Vec<Case> {
 /// The number of faces of the surfaces of volumes.
 const VOLUME_FACES: usize = 8000;
 
-/// The noise of volumes: independent at the nodes of the grid, filtered as that of tomographs, and
-/// of all lengths as that of fused depth images.
-const VOLUMES: [(&str, &[Grain]); 3] = [
+/// The noise of volumes: independent at the nodes of the grid, filtered as that of tomographs, of
+/// all lengths as that of fused depth images, and independent and strong.
+const VOLUMES: [(&str, &[Grain]); 4] = [
     ("independent", &[Grain { level: 0.1, length: 0.0 }]),
     ("filtered", &[Grain { level: 0.2, length: 1.5 }]),
     (
@@ -196,6 +196,7 @@ const VOLUMES: [(&str, &[Grain]); 3] = [
             Grain { level: 0.5, length: 5.0 },
         ],
     ),
+    ("strong", &[Grain { level: 0.3, length: 0.0 }]),
 ];
 
 /// The surface of a volume of a model of each family with each of these, set by set. Open and thin
@@ -281,8 +282,8 @@ mod tests {
     fn surfaces_of_volumes_lie_at_their_truth() {
         let all = volumes();
         let names: BTreeSet<String> = all.iter().map(Case::name).collect();
-        assert_eq!((all.len(), names.len()), (78, 78));
-        for Case { family, seed, .. } in all.iter().step_by(3) {
+        assert_eq!((all.len(), names.len()), (104, 104));
+        for Case { family, seed, .. } in all.iter().step_by(4) {
             let model = family.mesh(FACES, Triangulation::Regular, *seed);
             assert!(model.topology().is_closed(), "{family}");
         }

@@ -39,7 +39,7 @@ use correlation::{
 };
 use follow::{Follow, relabel};
 use impulses::{Impulses, has_impulses};
-use merge::{Merged, Waves};
+use merge::{Merged, VolumeNoise};
 use model::Model;
 use offset::in_the_middle;
 use parts::Part;
@@ -73,6 +73,11 @@ const CORRELATED: f64 = 0.15;
 /// the same noise. On closed models of the development set the others are better there; on views of
 /// them they are not.
 const ALIKE: ops::Range<f64> = 0.8..1.05;
+
+/// The displacement below which it may be that of details, in mean edge lengths: 0.04 or less where
+/// the networks for correlated noise keep details, 0.14 or more where they leave strong noise (on
+/// the development set and real meshes).
+const DETAILS: f64 = 0.05;
 
 /// The correlation of residuals on open surfaces for which the networks for correlated noise are
 /// taken in any case. Of views of models of the development set nine in ten with correlated noise
@@ -221,9 +226,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    fused scans or where details were taken for noise, the stages begin anew with networks that
 ///    are trained on such noise. These are taken on open surfaces whose residuals correlate by 0.05
 ///    to 0.4 ([`NoiseEstimate::correlation`]). On closed ones, and below 0.05, they are taken if
-///    they displace the vertices by less than 0.8 times as much (root mean square), or by more than
-///    1.05 times in long waves: the correlations of displacements up to two edges apart sum up to
-///    5.
+///    they displace the vertices by less than 0.8 times as much (root mean square) where that is
+///    less than 0.05 edges, or by more than 1.05 times in long waves: the correlations of
+///    displacements up to two edges apart sum up to 5.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -256,7 +261,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// more have an edge shorter than a fifth of the mean around it, and at most 1 % of the edges are
 /// longer than 1.9 times that) the ends of edges shorter than 0.35 times the mean are merged in all
 /// steps, unless this would change the topology. At the end they are moved apart again, along the
-/// new surface.
+/// new surface. Noise that is independent at the nodes of the grid counts twice: fits follow it.
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
@@ -360,8 +365,8 @@ fn tasks(
         group.components.retain(|&part| {
             may_move[part as usize] && merged.is_volume[part as usize] == is_volume
         });
-        let waves = merged.waves(&group).filter(|_| is_volume);
-        (group, Settings { strength, waves, may_be_correlated: true })
+        let volume_noise = merged.volume_noise(&group);
+        (group, Settings { strength, volume_noise, may_be_correlated: true })
     });
     tasks.filter(|(group, _)| !group.components.is_empty()).collect()
 }
@@ -419,8 +424,8 @@ impl Denoised {
 #[derive(Debug, Clone, Copy)]
 struct Settings {
     strength: f64,
-    /// The noise of the surface of a volume, as the edges that were merged show it.
-    waves: Option<Waves>,
+    /// That of the surface of a volume.
+    volume_noise: Option<VolumeNoise>,
     /// No impulses have been found.
     may_be_correlated: bool,
 }
@@ -477,8 +482,8 @@ fn denoise(
     {
         level = group.level;
     }
-    if let Some(waves) = settings.waves {
-        level = waves.in_level(level);
+    if let Some(noise) = settings.volume_noise {
+        level = noise.level(level);
     }
     level.sigma *= settings.strength;
     level.wide_sigma *= settings.strength;
@@ -553,8 +558,9 @@ fn after_stages<'a>(
 /// Returns `true` if the networks for correlated noise find long waves that the others took for
 /// shape, or keep details that these took for noise.
 fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
-    let ratio = mean_displacement(for_correlated) / mean_displacement(others);
-    ratio < ALIKE.start
+    let displacement = mean_displacement(others);
+    let ratio = mean_displacement(for_correlated) / displacement;
+    ratio < ALIKE.start && displacement < DETAILS * others.h
         || ratio >= ALIKE.end && correlation_over_two_rings(for_correlated) > LONG_WAVES
 }
 
