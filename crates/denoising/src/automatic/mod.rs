@@ -424,7 +424,7 @@ impl Denoised {
 #[derive(Debug, Clone, Copy)]
 struct Settings {
     strength: f64,
-    /// That of the surface of a volume.
+    /// The noise of the surface of a volume.
     volume_noise: Option<VolumeNoise>,
     /// No impulses have been found.
     may_be_correlated: bool,
