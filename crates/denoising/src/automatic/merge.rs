@@ -82,8 +82,8 @@ pub(super) struct VolumeNoise {
 
 impl VolumeNoise {
     /// The level of this noise, from that of fits to neighbours. If noise is independent at the
-    /// nodes of the grid, vertices around a node share it, and these find half of it. Heavy tails
-    /// mean that the shape is a part of what they find; then the level stays.
+    /// nodes of the grid, vertices around a node share it, and the fits find little more than half
+    /// of it. Heavy tails mean that they find shape as well; then the level stays.
     pub(super) fn level(self, mut level: NoiseEstimate) -> NoiseEstimate {
         if level.two_ring_ratio < AT_NODES && !level.is_impulsive() {
             level.sigma *= SHARED;

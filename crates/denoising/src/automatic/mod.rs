@@ -74,9 +74,9 @@ const CORRELATED: f64 = 0.15;
 /// them they are not.
 const ALIKE: ops::Range<f64> = 0.8..1.05;
 
-/// The displacement below which it may be that of details, in mean edge lengths: 0.04 or less where
-/// the networks for correlated noise keep details, 0.14 or more where they leave strong noise (on
-/// the development set and real meshes).
+/// The displacement below which it may be that of details, in mean edge lengths: 0.03 or less where
+/// the networks for correlated noise keep details of models and real meshes, 0.06 or more where
+/// they leave noise of volumes of the development set.
 const DETAILS: f64 = 0.05;
 
 /// The correlation of residuals on open surfaces for which the networks for correlated noise are
@@ -261,7 +261,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// more have an edge shorter than a fifth of the mean around it, and at most 1 % of the edges are
 /// longer than 1.9 times that) the ends of edges shorter than 0.35 times the mean are merged in all
 /// steps, unless this would change the topology. At the end they are moved apart again, along the
-/// new surface. Noise that is independent at the nodes of the grid counts twice: fits follow it.
+/// new surface. The level of independent noise is doubled there: fits follow half of it.
 ///
 /// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
 /// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
