@@ -16,7 +16,7 @@ const MANYLINUX: &str = "manylinux_2_28";
 /// stable interface.
 const FREE_THREADED: &str = "python3.14t";
 /// Packages required by the tests.
-const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
+const TESTS: [&str; 5] = ["numpy", "scipy", "pytest", "pytest-xdist", "hypothesis"];
 /// Packages required by single tests, which are skipped without them.
 const PEERS: [&str; 8] =
     ["tqdm", "trimesh", "pygltflib", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
@@ -274,6 +274,8 @@ pub(crate) fn test(root: &Path, extent: Extent) -> Result<Tested> {
     // The program, not the module, which would put the sources before what is installed.
     let mut pytest = Command::new(environment.program("pytest"));
     pytest.args(["-p", "no:cacheprovider", "-rs"]).current_dir(root.join("python"));
+    // Most tests keep one processor busy; those of a file share a cluster.
+    pytest.args(["-n", "auto", "--dist", "loadfile"]);
     pytest.env("PYTHONDONTWRITEBYTECODE", "1");
     match extent {
         Extent::Quick => {

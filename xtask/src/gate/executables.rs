@@ -43,7 +43,10 @@ impl Program {
 impl Tests {
     /// Compiles all tests of the workspace; returns `true` on success.
     pub(super) fn build(&mut self, root: &Path) -> Result<bool> {
-        let arguments = ["test", "--workspace", "--all-targets", "--locked", "--no-run"];
+        // Not all targets: that would compile the library for Python again, which has no tests.
+        let targets = ["--tests", "--examples"];
+        let arguments =
+            [&["test", "--workspace"][..], &targets, &["--locked", "--no-run"]].concat();
         println!("== tests: cargo {}", arguments.join(" "));
         let mut cargo = crate::programs::cargo(root);
         cargo.args(arguments).arg("--message-format=json-render-diagnostics");
