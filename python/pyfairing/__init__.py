@@ -29,7 +29,7 @@ from ._core import (
 )
 from ._dataset import dataset
 from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
-from ._geodesic import GeodesicSolver
+from ._geodesic import GeodesicSolver, Polyline
 from ._heat import HeatSolver
 from ._mesh import Mesh, read, read_bytes
 from ._parts import Closest, Components
@@ -59,6 +59,7 @@ __all__ = [
     "MeshError",
     "NoiseLevel",
     "OptionError",
+    "Polyline",
     "Scores",
     "Spectrum",
     "View",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,31 @@ from ._docs import documented
 
 if TYPE_CHECKING:
     from ._names import Kind
+
+
+class Polyline(NamedTuple):
+    """A connected piece of an isoline.
+
+    Attributes
+    ----------
+    points : ndarray, shape (p, 3)
+        The points, in mesh units; the first of a closed piece is not repeated.
+    edges : ndarray, shape (p, 2)
+        The vertices of the edge that each point lies on; twice the same at a vertex.
+    closed : bool
+        True if the last point is connected to the first.
+    """
+
+    points: Floats
+    edges: npt.NDArray[np.uint32]
+    closed: bool
+
+    @property
+    def segments(self) -> Floats:
+        """The segments, shape (s, 2, 3)."""
+        following = np.roll(self.points, -1, axis=0)
+        segments = np.stack([self.points, following], axis=1)
+        return segments if self.closed else segments[:-1]
 
 
 class GeodesicSolver:
@@ -253,16 +278,42 @@ class Geodesics(Base):
         solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
         return solver.path(start, sources, threads=threads)
 
+    @overload
+    def isolines(
+        self,
+        field: npt.ArrayLike,
+        levels: npt.ArrayLike,
+        *,
+        polylines: Literal[False] = False,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> list[Floats]: ...
+
+    @overload
+    def isolines(
+        self,
+        field: npt.ArrayLike,
+        levels: npt.ArrayLike,
+        *,
+        polylines: Literal[True],
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> list[list[Polyline]]: ...
+
     @documented
     def isolines(
         self,
         field: npt.ArrayLike,
         levels: npt.ArrayLike,
         *,
+        polylines: bool = False,
         threads: int | None = None,
         progress: Progress = None,
-    ) -> list[Floats]:
+    ) -> list[Floats] | list[list[Polyline]]:
         """The lines where a field, linear on each face, has given values.
+
+        Edges whose ends both have the value belong to the line. Of a region of faces whose corners
+        all have it, only the outline does. No segment occurs twice or has length zero.
 
         Parameters
         ----------
@@ -270,12 +321,17 @@ class Geodesics(Base):
             A value for each vertex; faces with an infinite value have no lines.
         levels : float or array_like, shape (k,)
             The values.
+        polylines : bool
+            Return connected pieces instead of segments.
         {run}
 
         Returns
         -------
-        list of ndarray, shape (s, 2, 3)
-            For each level its segments, in mesh units, one in each face that it passes through.
+        list of ndarray, shape (s, 2, 3), or list of list of Polyline
+            For each level its segments, in mesh units; with `polylines` its pieces, which have
+            `points` of shape (p, 3), `edges` of shape (p, 2), the vertices of the edge that each
+            point lies on (twice the same at a vertex), and `closed`, True if the last point is
+            connected to the first.
 
         Examples
         --------
@@ -283,6 +339,9 @@ class Geodesics(Base):
         >>> ball = pf.shapes.icosphere(4)
         >>> equator, north = ball.isolines(ball.vertices[:, 2], [0.0, 0.5])
         >>> bool(abs(np.linalg.norm(equator[:, 0] - equator[:, 1], axis=1).sum() - 2 * np.pi) < 0.01)
+        True
+        >>> (circle,), _ = ball.isolines(ball.vertices[:, 2], [0.0, 0.5], polylines=True)
+        >>> circle.closed
         True
         """
         n = self._core.vertex_count
@@ -296,4 +355,9 @@ class Geodesics(Base):
             raise _core.OptionError(f"levels has the shape {at.shape}, but must be flat")
         _arrays.finite(at, "levels")
         with running(threads, progress) as call:
-            return _core.isolines(self._core, np.ascontiguousarray(values), at.tolist(), call)
+            found = _core.isolines(self._core, np.ascontiguousarray(values), at.tolist(), call)
+        pieces = [[Polyline(*piece) for piece in line] for line in found]
+        if polylines:
+            return pieces
+        empty = np.empty((0, 2, 3))
+        return [np.concatenate([empty, *(piece.segments for piece in line)]) for line in pieces]

@@ -49,7 +49,8 @@ class Moving(Base):
             {methods}
         {parameters_of_methods}
         where : array_like of int or bool, optional
-            The vertices that move, or a mask of them; the others are fixed. By default all.
+            The vertices that move, or a mask of them; the others are fixed. By default all. For
+            `region` it may stand for `vertices`.
         {run}
 
         Returns
@@ -71,6 +72,9 @@ class Moving(Base):
         pins = "pin" in METHOD.algorithms.get(method, ()) and options.get("modes") is None
         if selected is not None and pins:
             options["pin"] = self._fixed(options.get("pin"), selected)  # type: ignore[arg-type]
+        elif selected is not None and "vertices" in METHOD.algorithms.get(method, ()):
+            given = self._selected(options.get("vertices"))  # type: ignore[arg-type]
+            options["vertices"] = selected if given is None else selected & given
         values = METHOD.values(method, options, self._core.vertex_count)
         try:
             with running(threads, progress) as call:

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use fairing_evaluation::SurfaceTree;
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, MassKind};
-use fairing_spectral::{HeatGeodesics, SurfacePoint, geodesic_path, isoline};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1};
+use fairing_spectral::{
+    HeatGeodesics, Isoline, SurfacePoint, geodesic_path, isolines as pieces_of,
+};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{column, rows, values};
@@ -117,7 +119,10 @@ impl Geodesics {
     }
 }
 
-/// Segments of each isoline, `s × 2 × 3`; infinite values count as none.
+/// A piece of an isoline: points `p × 3`, the edge of each `p × 2`, and true if it is closed.
+type Polyline<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, bool);
+
+/// The pieces of each isoline; infinite values count as none.
 #[pyfunction]
 fn isolines<'py>(
     py: Python<'py>,
@@ -125,20 +130,15 @@ fn isolines<'py>(
     field: PyReadonlyArray1<'_, f64>,
     levels: Vec<f64>,
     call: Call,
-) -> PyResult<Vec<Bound<'py, PyArray3<f64>>>> {
+) -> PyResult<Vec<Vec<Polyline<'py>>>> {
     let mesh = mesh.share();
-    let field: Vec<Option<f64>> =
-        values(&field).into_iter().map(|x| x.is_finite().then_some(x)).collect();
+    let field: Vec<Option<f64>> = values(&field).into_iter().map(Some).collect();
     let found = call.run(py, move || {
-        let lines = levels.iter().map(|&level| Ok(isoline(&mesh, &field, level)?));
+        let lines = levels.iter().map(|&level| Ok(pieces_of(&mesh, &field, level)?));
         lines.collect::<Result<Vec<_>>>()
     })?;
-    let array = |segments: Vec<[[f64; 3]; 2]>| {
-        let count = segments.len();
-        let flat = segments.into_flattened().into_flattened();
-        PyArray1::from_vec(py, flat).reshape([count, 2, 3])
-    };
-    found.into_iter().map(array).collect()
+    let polyline = |line: Isoline| Ok((rows(py, line.points)?, rows(py, line.edges)?, line.closed));
+    found.into_iter().map(|lines| lines.into_iter().map(polyline).collect()).collect()
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -161,6 +161,21 @@ def test_isolines_are_circles(sphere: pf.Mesh) -> None:
         sphere.isolines(np.where(np.arange(642) == 2, np.nan, d), 1.0)
 
 
+def test_isolines_through_vertices_and_along_edges() -> None:
+    n = 5
+    points = np.array([(i, j, 0.0) for i in range(n) for j in range(n)])
+    corners = [i * n + j for i in range(n - 1) for j in range(n - 1)]
+    faces = [t for a in corners for t in ((a, a + n, a + n + 1), (a, a + n + 1, a + 1))]
+    grid = pf.Mesh(points, faces)
+    for lines in grid.isolines(points[:, 0], [0.0, 2.0, 4.0], polylines=True):
+        (line,) = lines
+        assert not line.closed and len(line.points) == n and (line.edges[:, 0] == line.edges[:, 1]).all()
+        np.testing.assert_array_equal(line.points, points[line.edges[:, 0]])
+    segments = grid.isolines(points[:, 0] + points[:, 1], 2.0)[0]
+    assert np.linalg.norm(segments[:, 0] - segments[:, 1], axis=1).min() > 0
+    assert len(np.unique(np.sort(segments, axis=1), axis=0)) == len(segments) == 4
+
+
 def test_solvers_can_be_pickled(sphere: pf.Mesh) -> None:
     solver = pickle.loads(pickle.dumps(pf.GeodesicSolver(sphere, "robust", time=0.01)))
     assert repr(solver) == "GeodesicSolver(642 vertices, robust)"

@@ -20,6 +20,7 @@ mod error;
 mod filter;
 mod flat_face;
 mod geodesic;
+mod isoline;
 #[cfg(feature = "npz")]
 mod npy;
 #[cfg(feature = "npz")]
@@ -40,7 +41,8 @@ pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, EigenOptions};
 pub use filter::{Filtered, Rest};
 pub use geodesic::HeatGeodesics;
-pub use path::{GeodesicPath, geodesic_path, isoline};
+pub use isoline::{Isoline, isolines};
+pub use path::{GeodesicPath, geodesic_path};
 pub use poisson::Poisson;
 pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
 pub use signature::{

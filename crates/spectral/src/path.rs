@@ -1,4 +1,4 @@
-//! Paths down the gradient of a distance, and isolines.
+//! Paths down the gradient of a distance.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
@@ -242,40 +242,4 @@ impl Field<'_> {
         let leaves = down.dot(outward) > 0.0;
         (passes && leaves && to_a != to_b).then(|| (to_a / (to_a - to_b)).clamp(0.0, 1.0))
     }
-}
-
-/// The segments where a field that is linear on faces has a value: for each face that it passes
-/// through, two points on the sides.
-///
-/// Corners with exactly the value count as above it, so that segments of neighbouring faces
-/// meet. Faces with a corner without a value have none.
-///
-/// # Errors
-///
-/// [`SpectralError::Rows`] for a field of another mesh.
-pub fn isoline(
-    mesh: &TriMesh,
-    field: &[Option<f64>],
-    level: f64,
-) -> Result<Vec<[[f64; 3]; 2]>, SpectralError> {
-    let (found, expected) = (field.len(), mesh.vertex_count());
-    if found != expected {
-        return Err(SpectralError::Rows { found, expected });
-    }
-    let value = |v: u32| field[v as usize].map_or(f64::NAN, |x| x - level);
-    let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
-    // From the lower to the upper vertex, so that both faces compute the same point.
-    let crossing = |a: u32, b: u32| {
-        let [a, b] = [a.min(b), a.max(b)];
-        let (x, y) = (value(a), value(b));
-        ((x < 0.0) != (y < 0.0)).then(|| at(a).lerp(at(b), x / (x - y)).to_array())
-    };
-    let segment = |face: &[u32; 3]| {
-        if face.iter().any(|&v| value(v).is_nan()) {
-            return None;
-        }
-        let mut points = (0..3).filter_map(|k| crossing(face[k], face[(k + 1) % 3]));
-        Some([points.next()?, points.next()?])
-    };
-    Ok(mesh.faces().iter().filter_map(segment).collect())
 }

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::evaluation::SurfaceTree;
 use fairing::mesh::TriMesh;
-use fairing::spectral::{GeodesicPath, HeatGeodesics, SurfacePoint, geodesic_path, isoline};
+use fairing::spectral::{
+    GeodesicPath, HeatGeodesics, Isoline, SurfacePoint, geodesic_path, isolines,
+};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -89,7 +91,7 @@ fn source(text: &str) -> Result<Source, String> {
 /// The lines of one mesh.
 struct Lines {
     paths: Vec<(u32, GeodesicPath)>,
-    isolines: Vec<(f64, Vec<[[f64; 3]; 2]>)>,
+    isolines: Vec<(f64, Vec<Isoline>)>,
 }
 
 impl Geodesic {
@@ -171,7 +173,7 @@ impl Geodesic {
             Ok((v, path?))
         };
         let paths: Result<_, Failure> = self.starts.iter().map(trace).collect();
-        let mut isolines = vec![];
+        let mut rings = vec![];
         if let Some(spacing) = self.isolines {
             let count = (farthest(distance).map_or(0.0, |(_, d)| d) / spacing).floor();
             if count > MAX_ISOLINES {
@@ -181,10 +183,10 @@ impl Geodesic {
             }
             for k in 1..=count as u32 {
                 let level = f64::from(k) * spacing;
-                isolines.push((level, isoline(mesh, distance, level)?));
+                rings.push((level, isolines(mesh, distance, level)?));
             }
         }
-        Ok(Lines { paths: paths?, isolines })
+        Ok(Lines { paths: paths?, isolines: rings })
     }
 
     /// Notes how far points are from the surface, and paths that end away from a source.
@@ -242,9 +244,9 @@ fn summary(
             "end": path.end.map(|v| surface.in_file(v)),
         })
     });
-    let isolines = lines.isolines.iter().map(|(level, segments)| {
-        let total: f64 = segments.iter().map(|ends| length(ends)).sum();
-        json!({ "distance": level, "length": total })
+    let isolines = lines.isolines.iter().map(|(level, pieces)| {
+        let total: f64 = pieces.iter().map(Isoline::length).sum();
+        json!({ "distance": level, "length": total, "pieces": pieces.len() })
     });
     let mut summary = json!({
         "sources": sources.iter().map(|source| source.position(mesh)).collect::<Vec<_>>(),
@@ -298,6 +300,9 @@ fn obj(lines: &Lines) -> String {
         elements.push('\n');
     };
     lines.paths.iter().for_each(|(_, path)| line(&path.points));
-    lines.isolines.iter().flat_map(|(_, segments)| segments).for_each(|ends| line(ends));
+    for isoline in lines.isolines.iter().flat_map(|(_, pieces)| pieces) {
+        let back = isoline.closed.then(|| isoline.points[0]);
+        line(&isoline.points.iter().copied().chain(back).collect::<Vec<_>>());
+    }
     vertices + &elements
 }

@@ -145,7 +145,8 @@ impl Smooth {
     }
 
     /// The method with its parameters; vertices in them are numbered as in the file. Vertices that
-    /// are not selected are pinned, if the method has pins.
+    /// are not selected are pinned, if the method has pins, and are outside the region of one that
+    /// replaces a region.
     fn method_on(&self, surface: &Surface, selected: Option<&[bool]>) -> Result<Method, Failure> {
         let algorithm = self.parameters.check(&self.method)?;
         let given = self.parameters.given().iter();
@@ -160,6 +161,18 @@ impl Smooth {
                 pins = values.swap_remove(i).1.and(pins);
             }
             values.push(("pin", pins));
+        }
+        let others = selected.filter(|_| algorithm.parameter("vertices").is_some());
+        if let Some(selected) = others {
+            let is_selected = |v: &u32| selected.get(*v as usize).is_none_or(|selected| *selected);
+            match values.iter_mut().find(|(name, _)| *name == "vertices") {
+                Some((_, parameters::Value::Vertices(region))) => region.retain(is_selected),
+                Some(_) => {}
+                None => {
+                    let region = (0..selected.len() as u32).filter(is_selected).collect();
+                    values.push(("vertices", parameters::Value::Vertices(region)));
+                }
+            }
         }
         Method::with(&self.method, &values).map_err(Failure::usage)
     }

@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_shapes::{self as shapes, Diagonals};
-use fairing_spectral::{HeatGeodesics, SpectralError, SurfacePoint, geodesic_path, isoline};
+use fairing_spectral::{HeatGeodesics, SpectralError, SurfacePoint, geodesic_path, isolines};
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
@@ -126,23 +126,76 @@ fn paths_end_on_any_field() {
     }
 }
 
-/// Isolines of the height of a sphere are circles, without gaps.
+/// Isolines of the height of a sphere are circles, each one closed piece.
 #[test]
 fn isolines_of_a_height_are_circles() {
     let sphere = shapes::icosphere(4);
     let height: Vec<Option<f64>> = sphere.positions().iter().map(|p| Some(p[2])).collect();
     for level in [0.0, 0.3, -0.77] {
-        let segments = isoline(&sphere, &height, level).unwrap();
-        let lengths = segments.iter().map(|[p, q]| dot(sub(*p, *q), sub(*p, *q)).sqrt());
+        let pieces = isolines(&sphere, &height, level).unwrap();
+        let [line] = &pieces[..] else { panic!("{} pieces", pieces.len()) };
         let circle = std::f64::consts::TAU * (1.0 - level * level).sqrt();
-        let length: f64 = lengths.sum();
-        assert!((length / circle - 1.0).abs() < 5e-3, "{level}: {length} {circle}");
-        let mut ends: Vec<[u64; 3]> =
-            segments.iter().flatten().map(|p| p.map(|x| (x + 0.0).to_bits())).collect();
-        ends.sort_unstable();
-        assert!(ends.chunk_by(|a, b| a == b).all(|same| same.len() % 2 == 0));
-        assert!(segments.iter().flatten().all(|p| (p[2] - level).abs() < 1e-15));
+        let length = line.length();
+        assert!(line.closed && (length / circle - 1.0).abs() < 5e-3, "{level}: {length} {circle}");
+        assert!(line.points.iter().all(|p| (p[2] - level).abs() < 1e-15));
+        for ([a, b], p) in line.edges.iter().zip(&line.points) {
+            let ends = [a, b].map(|v| sphere.positions()[*v as usize]);
+            let along = sub(ends[1], ends[0]);
+            let reach = dot(sub(*p, ends[0]), along) / dot(along, along).max(f64::MIN_POSITIVE);
+            let nearest: [f64; 3] = std::array::from_fn(|k| ends[0][k] + reach * along[k]);
+            assert!(dot(sub(nearest, *p), sub(nearest, *p)).sqrt() < 1e-15);
+        }
     }
-    assert!(isoline(&sphere, &height[1..], 0.0).is_err());
-    assert!(isoline(&sphere, &vec![None; sphere.vertex_count()], 0.0).unwrap().is_empty());
+    assert!(isolines(&sphere, &height[1..], 0.0).is_err());
+    assert!(isolines(&sphere, &vec![None; sphere.vertex_count()], 0.0).unwrap().is_empty());
+}
+
+/// Levels through vertices, along edges and borders: each segment once, none of length zero.
+#[test]
+fn isolines_along_edges_and_borders() {
+    let plane = shapes::plane(8, 8, Diagonals::Alternating);
+    let x: Vec<Option<f64>> = plane.positions().iter().map(|p| Some(p[0])).collect();
+    for level in [0.0, 0.5, 1.0] {
+        let pieces = isolines(&plane, &x, level).unwrap();
+        let [line] = &pieces[..] else { panic!("{} pieces at {level}", pieces.len()) };
+        assert!(!line.closed && (line.length() - 1.0).abs() < 1e-12);
+        assert!(line.segments().all(|[p, q]| p != q));
+    }
+    // A plateau has an outline, and so has a field that is level everywhere.
+    let roof = |p: &[f64; 3]| 1.0 - ((p[0] - 0.5).abs().max((p[1] - 0.5).abs()) - 0.25).max(0.0);
+    let roof: Vec<Option<f64>> = plane.positions().iter().map(|p| Some(roof(p))).collect();
+    for (field, side) in [(roof, 0.5), (vec![Some(1.0); x.len()], 1.0)] {
+        let pieces = isolines(&plane, &field, 1.0).unwrap();
+        let [line] = &pieces[..] else { panic!("{} pieces", pieces.len()) };
+        assert!(line.closed && (line.length() - 4.0 * side).abs() < 1e-12, "{}", line.length());
+    }
+}
+
+/// Any values, among them huge, tiny, infinite and missing ones, give finite pieces whose segments
+/// differ and have a length.
+#[test]
+fn isolines_of_any_field_are_pieces() {
+    let mesh = shapes::jittered(&shapes::torus(2.0, 0.7, 24, 12), 0.3, 2, |p| p);
+    let values = [-1.0, 0.0, -0.0, 1.0, f64::MAX, f64::MIN, 5e-324, 1e-17, f64::INFINITY, f64::NAN];
+    for seed in 0..60_u64 {
+        let pick = |v: u64| (v + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed << 17)) >> 33;
+        let few = if seed % 2 == 0 { 4 } else { 11 };
+        let field: Vec<Option<f64>> = (0..mesh.vertex_count() as u64)
+            .map(|v| values.get((pick(v) % few) as usize).copied())
+            .collect();
+        for level in [0.0, 1.0, 1e-20, f64::MAX] {
+            let pieces = isolines(&mesh, &field, level).unwrap();
+            let mut segments: Vec<[[u64; 3]; 2]> = vec![];
+            for [p, q] in pieces.iter().flat_map(|piece| piece.segments().collect::<Vec<_>>()) {
+                assert!(p != q && p.iter().chain(&q).all(|x| x.is_finite()));
+                let mut ends = [p, q].map(|p| p.map(|x| (x + 0.0).to_bits()));
+                ends.sort_unstable();
+                segments.push(ends);
+            }
+            let count = segments.len();
+            segments.sort_unstable();
+            segments.dedup();
+            assert_eq!(segments.len(), count, "seed {seed}, level {level}");
+        }
+    }
 }
