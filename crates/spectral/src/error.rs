@@ -49,7 +49,7 @@ pub enum SpectralError {
     /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] ParameterError),
-    /// Heat underflows before it reaches a vertex.
+    /// The time is too short for heat to reach a vertex.
     #[error("no heat arrives at vertex {vertex}: use a longer time")]
     NoHeat {
         /// The first such vertex.

@@ -27,6 +27,8 @@ use crate::surface_point::SurfacePoint;
 pub struct HeatGeodesics {
     kind: LaplacianKind,
     heat: Cholesky,
+    /// The time of each component, in the unit of the masses.
+    times: Vec<f64>,
     poisson: GraphSystem,
     corners: Vec<u32>,
     flat: Vec<FlatFace>,
@@ -36,9 +38,34 @@ pub struct HeatGeodesics {
     used: Vec<bool>,
 }
 
-/// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 per edge length, and reaches twice
-/// as far as heat 1 before it underflows.
+/// The binary exponent of the heat at the sources: it falls by a factor of about 2.6 per edge
+/// length, and reaches twice as far as heat 1 before it underflows.
 const HEAT: i32 = 900;
+
+/// The binary exponent of the heat below which it is computed anew from the vertices above: well
+/// within the range in which it has all its digits.
+const FAINT: i32 = -600;
+
+/// The binary exponent by which heat computed anew is larger, so that it reaches as far again.
+const AGAIN: i32 = 1300;
+
+/// Heat over more than the range of floats: the values times 2 to the power `−AGAIN · stage`.
+struct Heat {
+    values: Vec<f64>,
+    stages: Vec<i32>,
+}
+
+impl Heat {
+    /// The heat at a vertex in the unit of another stage.
+    fn at(&self, v: usize, stage: i32) -> f64 {
+        let half = 2f64.powi((stage - self.stages[v]) * AGAIN / 2);
+        self.values[v] * half * half
+    }
+
+    fn is_below(&self, v: usize, bound: f64) -> bool {
+        self.values[v].abs() < bound
+    }
+}
 
 impl HeatGeodesics {
     /// Factorises with [`LaplacianKind::NonNegative`] for the time t = h², h the mean edge length
@@ -129,7 +156,7 @@ impl HeatGeodesics {
         let poisson = GraphSystem::new(stiffness, none, &mass, &isolated, Some(&like))?;
         let used = isolated.iter().map(|isolated| !isolated).collect();
         let kind = laplacian.kind();
-        Ok(Self { kind, heat, poisson, corners, flat, components, component, used })
+        Ok(Self { kind, heat, times, poisson, corners, flat, components, component, used })
     }
 
     /// The kind of the Laplacian in use.
@@ -142,9 +169,8 @@ impl HeatGeodesics {
     /// # Errors
     ///
     /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
-    /// [`SpectralError::NoHeat`] for a vertex too far from the sources for any heat to arrive, more
-    /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Sparse`] if
-    /// rounding leaves too few digits of the distances.
+    /// [`SpectralError::NoHeat`] for a vertex at which no heat arrives because the given time is
+    /// too short; [`SpectralError::Sparse`] if rounding leaves too few digits of the distances.
     #[doc(alias = "heat_geodesics_solve")]
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let sources: Vec<SurfacePoint> = sources.iter().map(|&v| SurfacePoint::vertex(v)).collect();
@@ -192,18 +218,14 @@ impl HeatGeodesics {
             }
         }
         let is_reached = |v: usize| reached[self.component[v] as usize];
-        self.heat.solve_in_place(&mut heat);
-        let cold =
-            |v: &usize| self.used[*v] && is_reached(*v) && heat[*v].abs() < f64::MIN_POSITIVE;
-        if let Some(vertex) = (0..n).find(cold) {
-            return Err(SpectralError::NoHeat { vertex: vertex as u32 });
-        }
+        let heat = self.diffused(heat, |v| self.used[v] && is_reached(v))?;
         // S φ = −div X, for X = −∇u / |∇u|.
         let mut phi = vec![0.0; n];
         for (corners, flat) in self.corners.as_chunks::<3>().0.iter().zip(&self.flat) {
             let corners = corners.map(|v| v as usize);
             if is_reached(corners[0]) {
-                let flux = flat.unit_flux(corners.map(|v| heat[v]));
+                let first = corners.map(|v| heat.stages[v]).into_iter().fold(i32::MAX, i32::min);
+                let flux = flat.unit_flux(corners.map(|v| heat.at(v, first)));
                 for (v, flux) in corners.into_iter().zip(flux) {
                     phi[v] += flux;
                 }
@@ -231,6 +253,50 @@ impl HeatGeodesics {
             distances[v as usize] = Some(straight);
         }
         Ok(distances)
+    }
+}
+
+impl HeatGeodesics {
+    /// The heat that arrives at the vertices from the given amounts.
+    ///
+    /// Where it becomes faint it is computed anew, larger by a power of two. With `A = M + tS`, the
+    /// solution u of `A u = f`, and w equal to u at the warm vertices and zero at the faint ones,
+    /// `A w − f` is zero but at the front between both, and `u = −A⁻¹ (A w − f)` at the faint ones:
+    /// the front takes the place of the sources.
+    fn diffused(
+        &self,
+        mut amounts: Vec<f64>,
+        is_reached: impl Fn(usize) -> bool,
+    ) -> Result<Heat, SpectralError> {
+        let n = amounts.len();
+        self.heat.solve_in_place(&mut amounts);
+        let mut heat = Heat { values: amounts, stages: vec![0; n] };
+        for stage in 1.. {
+            let none = |v: &usize| is_reached(*v) && heat.is_below(*v, f64::MIN_POSITIVE);
+            let Some(vertex) = (0..n).find(none) else { break };
+            let faint = 2f64.powi(FAINT);
+            let is_faint: Vec<bool> =
+                (0..n).map(|v| is_reached(v) && heat.is_below(v, faint)).collect();
+            let mut front: Vec<f64> = (0..n)
+                .map(|i| {
+                    let others = self.poisson.laplacian().stiffness_row(i);
+                    let across = others.filter(|(j, _)| is_faint[*j as usize] != is_faint[i]);
+                    let flow: f64 = across.map(|(j, s)| s * heat.at(j as usize, stage)).sum();
+                    let sign = if is_faint[i] { -1.0 } else { 1.0 };
+                    sign * self.times[self.component[i] as usize] * flow
+                })
+                .collect();
+            self.heat.solve_in_place(&mut front);
+            let mut gained = false;
+            for v in (0..n).filter(|v| is_faint[*v]) {
+                (heat.values[v], heat.stages[v]) = (front[v], stage);
+                gained |= !heat.is_below(v, faint);
+            }
+            if !gained || front.iter().any(|heat| !heat.is_finite()) {
+                return Err(SpectralError::NoHeat { vertex: vertex as u32 });
+            }
+        }
+        Ok(heat)
     }
 }
 

@@ -371,6 +371,11 @@ impl GraphSystem {
         means
     }
 
+    /// S, zero in the rows of given values.
+    pub fn laplacian(&self) -> &GraphLaplacian {
+        &self.laplacian
+    }
+
     /// The connected part of the pattern of S that each row belongs to.
     pub fn parts(&self) -> &[u32] {
         &self.part
