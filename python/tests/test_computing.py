@@ -275,6 +275,16 @@ def test_options_of_flows(bumpy: pf.Mesh, patch: pf.Mesh) -> None:
             bumpy.smooth(method, **options)
 
 
+def test_the_selection_is_the_region() -> None:
+    sphere = pf.shapes.icosphere(3)
+    cap = sphere.vertices[:, 2] > 0.7
+    flat = sphere.smooth("region", where=cap, order=1)
+    assert flat == sphere.smooth("region", vertices=cap, order=1)
+    assert (flat.vertices[cap, 2] < 0.75).all()
+    both = sphere.smooth("region", where=cap, vertices=np.arange(200), order=1)
+    assert both == sphere.smooth("region", vertices=np.flatnonzero(cap[:200]), order=1)
+
+
 def test_a_flow_that_fails_gives_the_last_good_mesh() -> None:
     # Mean curvature flow of a thin torus pinches.
     ring = pf.shapes.torus(1.0, 0.1, 60, 12)

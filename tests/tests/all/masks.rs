@@ -60,6 +60,7 @@ fn every_flow_denoiser_and_noise_moves_the_selected_vertices_only() {
             name => format!("smooth --method {name}"),
         })
         .collect();
+    lines.push("smooth --method region".to_owned());
     lines.push("smooth --method low-pass --time 0.01".to_owned());
     lines.push("smooth --method implicit --volume offset --pin 0-20".to_owned());
     lines.extend(denoisers.iter().map(|name| format!("denoise --method {name}")));
