@@ -6,10 +6,14 @@ use crate::io::text::{Cursor, normalized};
 use crate::polygon::Polygons;
 use crate::weld::Welder;
 
-/// Returns true if the bytes begin with `solid`, and the next line with `facet` or
-/// `endsolid` unless there is none.
+/// Returns true if the bytes are text that begins with `solid`, and the next line with `facet` or
+/// `endsolid` unless there is none. The count in a binary header has a byte that is zero, unless it
+/// exceeds 16 million.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(4096)];
+    if head.contains(&0) {
+        return false;
+    }
     let text = normalized(head);
     let mut cursor = Cursor::new(&text, 0, None);
     if !cursor.token().is_some_and(|token| token.eq_ignore_ascii_case(b"solid")) {

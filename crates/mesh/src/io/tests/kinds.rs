@@ -131,6 +131,24 @@ fn empty_files_and_meshes_are_errors() {
     }
 }
 
+/// SolidWorks writes binary files whose header begins with `solid`; cut short, one is still binary.
+#[test]
+fn a_binary_stl_with_a_header_like_text_is_binary_at_any_size() {
+    let mut bytes = b"solid part".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(1u32.to_le_bytes());
+    for x in [0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+        bytes.extend(x.to_le_bytes());
+    }
+    bytes.extend([0; 2]);
+    let options = ReadOptions::default();
+    assert_eq!(read_bytes("a.stl", &bytes, &options).unwrap().mesh.face_count(), 1);
+    for wrong in [&bytes[..bytes.len() - 7], &[&bytes[..], b"junk"].concat()] {
+        let message = refusal("a.stl", wrong, &options);
+        assert!(message.contains("1 triangles of 50 bytes, as the header says"), "{message}");
+    }
+}
+
 #[test]
 fn several_gzip_members_are_one_file() {
     let text = bytes(Format::Obj, &WriteOptions::default());
