@@ -305,7 +305,9 @@ class Moving(Base):
             `total-generalised-variation` for noise that is correlated over several
             edges, like that of a depth camera, or None if nothing was moved. `expected_error` is the
             expected mean angle between the normals of faces and the true ones in degrees, to a
-            factor of two in most cases; None if nothing was moved. `spikes` is the number of vertices
+            factor of two in most cases; None if nothing was moved. `undecided` is the part of
+            `sigma` that may be relief as well as noise: it is kept, and a `strength` of 2 removes
+            it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the number of vertices
             that were farther away than noise explains and were put on the surface around them before
             the noise was measured. Parts with faces as
             uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
@@ -327,7 +329,7 @@ class Moving(Base):
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        noise, surface, approach, error, (spikes, uneven) = found
+        noise, surface, approach, error, undecided, (spikes, flipped, uneven) = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
@@ -336,6 +338,7 @@ class Moving(Base):
         names = ("sigma", "correlation_length", "wide_sigma")
         report |= dict(zip(names, noise or (None, None, None)))
         report |= {"surface": surface, "approach": approach, "expected_error": error, "spikes": spikes}
+        report |= {"undecided": undecided, "flipped_faces": flipped}
         return self._moved(core, report)
 
     @documented

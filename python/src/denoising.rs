@@ -9,9 +9,9 @@ use crate::options::{Named, borrowed};
 use crate::run::Call;
 
 /// The report of the automatic method: σ̂, correlation length and level at that length, if
-/// measured; the kind of surface, the approach, the expected error of normals in degrees, and the
-/// numbers of spikes and of vertices on uneven parts.
-type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, Option<f64>, [usize; 2]);
+/// measured; the kind of surface, the approach, the expected error of normals in degrees, the level
+/// that may be relief, and the numbers of spikes, of flipped faces and of vertices on uneven parts.
+type Found = (Option<[f64; 3]>, &'static str, Option<&'static str>, Option<f64>, f64, [usize; 3]);
 
 /// The mesh, and the report of the automatic method. Vertices of `pinned` do not move.
 #[pyfunction]
@@ -45,7 +45,8 @@ fn denoise(
                 found.kind.name(),
                 found.approach.map(Approach::name),
                 found.expected_error,
-                [found.spikes, found.uneven_vertices],
+                found.undecided,
+                [found.spikes, found.flipped_faces, found.uneven_vertices],
             )),
         ))
     })?;

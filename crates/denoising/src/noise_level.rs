@@ -250,6 +250,50 @@ fn correlation(
     if squares > 0.0 { products / squares } else { 0.0 }
 }
 
+/// Sums of the residuals over two-rings at each vertex, over the level of the noise and clipped.
+pub(crate) struct LocalResiduals {
+    /// The mean squares of the residuals at both ends of each edge.
+    pub(crate) squares: Vec<f64>,
+    /// The products of the residuals at both ends.
+    pub(crate) products: Vec<f64>,
+    /// The numbers of edges.
+    pub(crate) counts: Vec<f64>,
+}
+
+impl LocalResiduals {
+    /// The residuals at the vertices that may move, zeros elsewhere.
+    pub(crate) fn new(input: Masked<'_>, level: &NoiseEstimate) -> Self {
+        let mesh = input.mesh();
+        let sigma = (level.sigma * level.two_ring_ratio).max(f64::MIN_POSITIVE);
+        let residuals: Vec<Option<f64>> = (0..mesh.vertex_count() as u32)
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, v| match input.is_fixed(v as usize) {
+                true => None,
+                false => leave_one_out(mesh, v, scratch)[0].map(|r| r / sigma),
+            })
+            .collect();
+        let terms: Vec<[f64; 3]> = (0..mesh.vertex_count() as u32)
+            .into_par_iter()
+            .map(|v| {
+                let Some(own) = residuals[v as usize] else { return [0.0; 3] };
+                let own = own.clamp(-CLIP, CLIP);
+                let mut sums = [0.0; 3];
+                for w in mesh.topology().neighbors(v) {
+                    if let Some(other) = residuals[*w as usize] {
+                        let other = other.clamp(-CLIP, CLIP);
+                        sums[0] += 0.5 * (own * own + other * other);
+                        sums[1] += own * other;
+                        sums[2] += 1.0;
+                    }
+                }
+                sums
+            })
+            .collect();
+        let column = |k: usize| terms.iter().map(|term| term[k]).collect();
+        Self { squares: column(0), products: column(1), counts: column(2) }
+    }
+}
+
 /// The part with the largest `n σ̂²`; the first of equal ones.
 fn most_noise(parts: &[(u32, Sizes, NoiseEstimate)]) -> Option<usize> {
     let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;

@@ -41,6 +41,8 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         "kind": found.kind.name(),
         "approach": found.approach.map(Approach::name),
         "expected_error": found.expected_error,
+        "undecided": found.undecided,
+        "flipped_faces": found.flipped_faces,
         "spikes": found.spikes,
         "uneven_vertices": found.uneven_vertices,
         "displacement_limit": found.limit,

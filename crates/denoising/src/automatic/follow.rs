@@ -136,15 +136,22 @@ impl<'a> Follow<'a> {
                     let around = corners.iter().map(|&c| normals[c as usize / 3]);
                     y += within(around, open * (1.0 / f64::from(folds)));
                 }
-                hold(noisy.positions()[v].into(), y, self.limit)
+                self.held(v, y)
             })
             .collect()
+    }
+
+    /// The place of vertex `v` on the way to a place: no further than the limit from where it was,
+    /// and there if it is fixed.
+    pub(super) fn held(&self, v: usize, to: DVec3) -> DVec3 {
+        let from = self.noisy.mesh().positions()[v].into();
+        if self.noisy.is_fixed(v) { from } else { hold(from, to, self.limit) }
     }
 }
 
 /// The minimiser of `‖d − o‖² + 4 Σ (n · d)²`: the solution of
 /// `(I + 4 Σ n nᵀ) d = o`.
-fn within(normals: impl Iterator<Item = DVec3>, o: DVec3) -> DVec3 {
+pub(super) fn within(normals: impl Iterator<Item = DVec3>, o: DVec3) -> DVec3 {
     let mut rows = [DVec3::X, DVec3::Y, DVec3::Z];
     for n in normals {
         for (row, x) in rows.iter_mut().zip(n.to_array()) {

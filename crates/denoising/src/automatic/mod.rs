@@ -12,6 +12,7 @@ mod network;
 mod offset;
 mod parts;
 mod planes;
+mod restraint;
 mod safety;
 mod spikes;
 mod stage;
@@ -21,7 +22,6 @@ pub mod training;
 mod wide;
 
 use std::borrow::Cow;
-use std::ops;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -33,10 +33,7 @@ use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
-use correlation::{
-    correlation_across_edges, correlation_over_two_rings, is_open, mean_displacement,
-    variance_of_means,
-};
+use correlation::{correlation_across_edges, mean_displacement, variance_of_means};
 use follow::{Follow, relabel};
 use impulses::{Impulses, has_impulses};
 use merge::{Merged, VolumeNoise};
@@ -44,7 +41,8 @@ use model::Model;
 use offset::in_the_middle;
 use parts::Part;
 use planes::{Evidence, flatten};
-use safety::without_flips;
+use restraint::{Allowed, Restrained, restrained};
+use safety::{Unflipped, without_flips};
 use spikes::{without_impulses, without_spikes};
 use stage::{advance, blocks};
 use state::{FAR, State};
@@ -60,31 +58,10 @@ const ROUNDING: f64 = 1e-7;
 /// than noise of this level, and less than noise three times as strong.
 const WEAK: f64 = 1e-3;
 
-/// The least sum of the correlations of the displacements over two rings in long waves; 3 to 6 for
-/// noise that is correlated over two edges.
-const LONG_WAVES: f64 = 5.0;
-
 /// The least correlation of displacements across edges that shows correlated noise. On models and
 /// views of the development set it is negative under independent noise of 0.05 edges or more, and
 /// 0.23 or more under correlated noise on 143 of 144.
 const CORRELATED: f64 = 0.15;
-
-/// The displacements by the networks for correlated noise over those by the others, where both find
-/// the same noise. On closed models of the development set the others are better there; on views of
-/// them they are not.
-const ALIKE: ops::Range<f64> = 0.8..1.05;
-
-/// The displacement below which it may be that of details, in mean edge lengths: 0.03 or less where
-/// the networks for correlated noise keep details of models and real meshes, 0.06 or more where
-/// they leave noise of volumes of the development set.
-const DETAILS: f64 = 0.05;
-
-/// The correlation of residuals on open surfaces for which the networks for correlated noise are
-/// taken in any case. Of views of models of the development set nine in ten with correlated noise
-/// exceed the lower limit, and one in fifty with independent noise. Beyond the upper one a surface
-/// is smooth from vertex to vertex, waves pass for shape, and these networks are never taken: on
-/// the same views it is at most 0.36; on clean smooth sheets of waves, 0.44.
-const RESIDUALS: ops::Range<f64> = 0.05..0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
@@ -165,6 +142,12 @@ pub struct Automatic {
     /// edges. Under correlated noise and that of a depth camera it was within a factor of two on 63
     /// of the 66 views that were not used for the fits.
     pub expected_error: Option<f64>,
+    /// The number of moved faces that are turned against the normals found for them: folds that
+    /// could not be opened.
+    pub flipped_faces: usize,
+    /// The part of the measured level that may be relief as well as noise, in mesh units: it was
+    /// kept. A [strength](AutomaticOptions::strength) above one removes it.
+    pub undecided: f64,
 }
 
 impl Automatic {
@@ -222,13 +205,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    positive weight to each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
 ///    models (`cargo xtask benchmark train`) and built into this crate. If the displacements of the
-///    vertices correlate across edges by more than 0.15 after the last stage, as under the waves of
-///    fused scans or where details were taken for noise, the stages begin anew with networks that
-///    are trained on such noise. These are taken on open surfaces whose residuals correlate by 0.05
-///    to 0.4 ([`NoiseEstimate::correlation`]). On closed ones, and below 0.05, they are taken if
-///    they displace the vertices by less than 0.8 times as much (root mean square) where that is
-///    less than 0.05 edges, or by more than 1.05 times in long waves: the correlations of
-///    displacements up to two edges apart sum up to 5.
+///    vertices correlate across edges by more than 0.15 after the last stage, as where details were
+///    taken for noise, the stages begin anew with networks that are trained on correlated noise;
+///    these are taken if they move the vertices less.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -236,6 +215,16 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    crease and take the normal of a neighbour.
 ///
 /// If all candidates agree, so does the new normal: planes stay planes.
+///
+/// The surface then moves no further than the noise that was measured (Morozov's discrepancy
+/// principle): where the root mean square displacement along the normals, over some 150 vertices or
+/// over a connected part, exceeds 1.2 times its level, displacements are shortened. The level is
+/// that of the residuals where those of neighbours are independent. Where they are alike, as on
+/// relief and at creases, it is that of the rest of the mesh; and where they are alike on more than
+/// half of it, relief and correlated noise cannot be told apart, and the level is smaller
+/// in proportion ([`Automatic::undecided`]). Distances from planes count as noise if a quarter of
+/// the surface lies in planes. Correlated noise that was found has its own level
+/// ([`NoiseEstimate::wide_sigma`]), and so have surfaces of volumes; both are bounded as a whole.
 ///
 /// Where the noise is found to be that of a depth camera ([`NoiseEstimate::correlation_length`]),
 /// and the networks expect to leave more than 2°, the normals are those of
@@ -299,7 +288,8 @@ pub fn automatic<'a>(
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
     let (mut spikes, mut farthest) = (0, 0.0f64);
-    let (mut error, mut faces_denoised) = (0.0, 0);
+    let (mut error, mut faces_denoised, mut flipped_faces) = (0.0, 0, 0);
+    let mut undecided = 0.0f64;
     let moved = on_oriented(mesh.into(), |input| {
         let original = input.mesh();
         let mesh = &*without_spikes(input)?;
@@ -320,6 +310,8 @@ pub fn automatic<'a>(
             let done = denoise_repeatedly(part.masked()?, group.level, settings)?;
             part.put_back(done.mesh.positions(), &mut positions);
             limit = limit.max(done.limit);
+            flipped_faces += done.flipped;
+            undecided = undecided.max(done.undecided);
             approach = approach.or(done.approach);
             if let Some(expected) = done.expected_error {
                 error += expected * done.mesh.face_count() as f64;
@@ -349,6 +341,8 @@ pub fn automatic<'a>(
         approach,
         expected_error,
         spikes,
+        flipped_faces,
+        undecided,
     })
 }
 
@@ -411,12 +405,16 @@ struct Denoised {
     approach: Option<Approach>,
     /// As in [`Automatic`].
     expected_error: Option<f64>,
+    /// As in [`Automatic`].
+    flipped: usize,
+    /// As in [`Automatic`].
+    undecided: f64,
 }
 
 impl Denoised {
     /// A mesh without noise.
     fn clean(mesh: TriMesh) -> Self {
-        Self { mesh, limit: 0.0, approach: None, expected_error: None }
+        Self { mesh, limit: 0.0, approach: None, expected_error: None, flipped: 0, undecided: 0.0 }
     }
 }
 
@@ -428,6 +426,20 @@ struct Settings {
     volume_noise: Option<VolumeNoise>,
     /// No impulses have been found.
     may_be_correlated: bool,
+}
+
+impl Settings {
+    /// The noise that displacements may remove, for a level without the strength. A strength above
+    /// one takes what may be relief for noise as well.
+    fn allowed(&self, input: Masked<'_>, level: &NoiseEstimate) -> Allowed {
+        let mut allowed = match self.volume_noise.is_some() || level.correlation_length > 0.0 {
+            true => Allowed::uniform(level.wide_sigma.max(level.sigma)),
+            false => Allowed::measured(input, level),
+        };
+        let wanted = 1.0 - 1.0 / (self.strength * self.strength);
+        allowed.at_least(level.sigma * wanted.max(0.0).sqrt());
+        allowed
+    }
 }
 
 /// Denoises a mesh whose noise has one level; under impulsive noise again and again, with impulses
@@ -461,7 +473,8 @@ fn denoise_repeatedly(
         if found.is_none() {
             break;
         }
-        done = Denoised { mesh: next.mesh, limit: done.limit + next.limit, ..done };
+        let limit = done.limit + next.limit;
+        done = Denoised { mesh: next.mesh, flipped: next.flipped, limit, ..done };
     }
     Ok(done)
 }
@@ -485,6 +498,7 @@ fn denoise(
     if let Some(noise) = settings.volume_noise {
         level = noise.level(level);
     }
+    let mut allowed = settings.allowed(input, &level);
     level.sigma *= settings.strength;
     level.wide_sigma *= settings.strength;
     if level.sigma <= ROUNDING * mesh.mean_edge_length() {
@@ -504,17 +518,26 @@ fn denoise(
         normals =
             Normals { normals: filtered, sigma, limit: FAR * sigma, expected_error, ..normals };
     }
-    let Normals { normals, rings, sigma, limit, expected_error } = normals;
+    let Normals { normals, rings, sigma, limit, expected_error, planes } = normals;
+    allowed.at_least(planes);
+    allowed.scale(settings.strength);
+    let undecided = (level.sigma - allowed.level()).max(0.0);
+    if allowed.level() <= WEAK * mesh.mean_edge_length() {
+        return Ok(Denoised { undecided, ..Denoised::clean(mesh.clone()) });
+    }
     // Faces on the wrong side of a crease change sides, and the surface follows to the end.
     fairing_watch::stage("positions", 0);
     let follow = Follow::new(mesh, &rings, sigma, limit);
     let normals = relabel(mesh, &rings, normals, &follow)?;
     let follow = follow.with_fixed(input);
     let surface = follow.run(mesh.positions(), &normals, STEPS)?;
+    let Restrained { mesh: surface, normals, turned } =
+        restrained(input, surface, normals, &allowed)?;
+    let expected_error = expected_error.map(|error| error.max(turned));
     // Noise lies on both sides of the surface, and no face opposes its normal.
     let surface = in_the_middle(input, surface, &normals, limit)?;
-    let surface = without_flips(mesh, surface, &normals, &follow)?;
-    Ok(Denoised { mesh: surface, limit, approach: Some(approach), expected_error })
+    let Unflipped { mesh, flipped } = without_flips(mesh, surface, &normals, &follow)?;
+    Ok(Denoised { mesh, limit, approach: Some(approach), expected_error, flipped, undecided })
 }
 
 /// The normals of a surface without noise.
@@ -528,6 +551,9 @@ struct Normals {
     limit: f64,
     /// As in [`Automatic`].
     expected_error: Option<f64>,
+    /// The distance of the noisy mesh from its planes, root mean square, if a quarter of it lies in
+    /// planes: a level of the noise at all scales.
+    planes: f64,
 }
 
 /// Returns `true` if the displacements of the last stage show that the noise is correlated. That of
@@ -555,17 +581,8 @@ fn after_stages<'a>(
     Ok(state)
 }
 
-/// Returns `true` if the networks for correlated noise find long waves that the others took for
-/// shape, or keep details that these took for noise.
-fn knows_better(for_correlated: &State<'_>, others: &State<'_>) -> bool {
-    let displacement = mean_displacement(others);
-    let ratio = mean_displacement(for_correlated) / displacement;
-    ratio < ALIKE.start && displacement < DETAILS * others.h
-        || ratio >= ALIKE.end && correlation_over_two_rings(for_correlated) > LONG_WAVES
-}
-
-/// The normals by the networks. If these show that the noise is correlated, by those for such
-/// noise: on open surfaces whose residuals are correlated, and on others if they know better.
+/// The normals by the networks; if their displacements are correlated, by those for correlated
+/// noise, provided that these move the vertices less: relief that the first take for noise.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,
@@ -575,22 +592,20 @@ fn regressed(
     let mut state = after_stages(input, level, false)?;
     let expected = |state: &State<'_>, (factor, power)| factor * libm::pow(state.apart, power);
     let mut expected_error = expected(&state, EXPECTED);
-    let is_open = is_open(mesh);
-    let is_smooth = is_open && level.correlation >= RESIDUALS.end;
-    if may_be_correlated && !is_smooth && is_correlated(&state) {
+    if may_be_correlated && is_correlated(&state) {
         let other = after_stages(input, level, true)?;
-        let expected = expected(&other, EXPECTED_CORRELATED);
-        if is_open && level.correlation > RESIDUALS.start {
-            (state, expected_error) = (other, expected);
-        } else if knows_better(&other, &state) {
-            (state, expected_error) = (other, expected.max(expected_error));
+        if mean_displacement(&other) < mean_displacement(&state) {
+            expected_error = expected_error.max(expected(&other, EXPECTED_CORRELATED));
+            state = other;
         }
     }
     // Faces that lie in one plane take its normal.
     let variance = variance_of_means(&state);
     let evidence = Evidence::new(mesh, &state.hinges, &state.trust, variance);
-    flatten(&evidence, &mut state.normals);
+    let planes = flatten(&evidence, &mut state.normals);
+    let planes = planes.map_or(0.0, |square| square.sqrt() * state.h);
     let expected_error = Some(expected_error);
     let (sigma, limit) = (state.limit / FAR, state.limit);
-    Ok(Normals { normals: state.normals, rings: state.rings, sigma, limit, expected_error })
+    let (normals, rings) = (state.normals, state.rings);
+    Ok(Normals { normals, rings, sigma, limit, expected_error, planes })
 }

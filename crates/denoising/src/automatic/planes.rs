@@ -37,6 +37,9 @@ const ROUNDING: f64 = 1e-14;
 /// The largest number of faces in the test of a region for curvature.
 const MAX_TESTED: usize = 4096;
 
+/// The share of the surface in planes from which the noise is measured.
+const LARGE_SHARE: f64 = 0.25;
+
 /// The depth of the strips on both sides of a border that is tested for a crease, in hinges.
 const DEPTH: usize = 6;
 
@@ -112,14 +115,24 @@ impl<'a> Evidence<'a> {
 ///
 /// The normal of a plane is replaced if that of the fit is known better than the present
 /// normals agree with each other.
-pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [DVec3]) {
+///
+/// Returns the mean square distance of the corners from their planes, in squared mean edge lengths,
+/// if a quarter of the surface lies in planes: a level of the noise at all scales.
+pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [DVec3]) -> Option<f64> {
     let regions = Regions::grow(evidence, normals);
     let planes = regions.planes(evidence, normals);
     for (f, normal) in normals.iter_mut().enumerate() {
-        if let Some(plane) = planes[regions.index[f] as usize] {
-            *normal = plane;
+        if let Some(plane) = &planes[regions.index[f] as usize] {
+            *normal = plane.normal;
         }
     }
+    let all: f64 = regions.sums.iter().map(|sums| sums.weight).sum();
+    let flat =
+        planes.iter().zip(&regions.sums).filter_map(|(plane, sums)| Some((plane.as_ref()?, sums)));
+    let (squares, weight) = flat.fold((0.0, 0.0), |(squares, weight), (plane, sums)| {
+        (squares + plane.squares, weight + sums.weight)
+    });
+    (weight > 0.0 && weight >= LARGE_SHARE * all).then(|| squares / weight)
 }
 
 /// Sums over the corners of the faces of a region. A corner counts a sixth, so that a vertex
@@ -272,8 +285,8 @@ impl Regions {
         Self { index, sums: kept, normals, faces }
     }
 
-    /// The normal of each region that is a plane.
-    fn planes(&self, evidence: &Evidence<'_>, normals: &[DVec3]) -> Vec<Option<DVec3>> {
+    /// The plane of each region that is one.
+    fn planes(&self, evidence: &Evidence<'_>, normals: &[DVec3]) -> Vec<Option<Plane>> {
         let large = |r: usize| self.sums[r].weight >= MIN_WEIGHT;
         // The hinges between each two large regions.
         let mut pairs: Vec<([u32; 2], u32)> = (evidence.hinges.all.iter().zip(0u32..))
@@ -324,7 +337,7 @@ impl Regions {
                     .iter()
                     .map(|&f| normals[f as usize].distance(plane.normal).powi(2));
                 let scatter = scatter.sum::<f64>() / self.faces[r].len() as f64;
-                (plane.spread * evidence.variance < scatter).then_some(plane.normal)
+                (plane.spread * evidence.variance < scatter).then_some(plane)
             })
             .collect()
     }

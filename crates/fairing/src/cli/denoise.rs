@@ -94,6 +94,7 @@ impl Denoise {
             "kind",
             "approach",
             "expected_error",
+            "undecided",
             "spikes",
             "uneven_vertices",
         ];
@@ -126,6 +127,19 @@ impl Denoise {
                         "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): \
                          these parts stay as they are; --method guided-normal moves them, too",
                         result.uneven_vertices
+                    ));
+                }
+                if result.undecided > 0.1 * result.noise.map_or(0.0, |noise| noise.sigma) {
+                    context.note(format_args!(
+                        "of this, {} may be relief as well as noise, and is kept; --strength 2 \
+                         removes it",
+                        number(result.undecided)
+                    ));
+                }
+                if result.flipped_faces > 0 {
+                    context.note(format_args!(
+                        "{} faces are turned against the surface around them",
+                        result.flipped_faces
                     ));
                 }
                 if self.summary.is_wanted() {
@@ -213,6 +227,8 @@ fn as_json(result: &Automatic) -> Value {
         "kind": result.kind.name(),
         "approach": result.approach.map(Approach::name),
         "expected_error": result.expected_error,
+        "undecided": result.undecided,
+        "flipped_faces": result.flipped_faces,
         "area_fraction": shares,
         "spikes": result.spikes,
         "uneven_vertices": result.uneven_vertices,
