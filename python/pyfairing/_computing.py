@@ -332,7 +332,7 @@ class Computing(Base):
         -------
         dict
             Lengths, areas and volumes in mesh units; `genus` and `volume` are None if they are
-            not defined. `hints` are remarks on units, normals and seams; `repair` mends defects.
+            not defined. `hints` are remarks on normals and seams; `repair` mends defects.
         """
         with running(threads, None) as call:
             return self._core.diagnosis(call)

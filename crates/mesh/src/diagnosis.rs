@@ -161,8 +161,7 @@ impl Diagnosis {
             && self.isolated_vertices.count == 0
     }
 
-    /// Remarks on the unit of length, on normals that point inwards, and on seams, one sentence
-    /// each without full stop.
+    /// Remarks on normals that point inwards and on seams, one sentence each without full stop.
     pub fn hints(&self) -> Vec<String> {
         let mut hints = vec![];
         if self.volume.is_some_and(|volume| volume < 0.0) {
@@ -171,17 +170,6 @@ impl Diagnosis {
         if self.seam_vertices > 0 {
             let seam = "boundary vertices coincide with another vertex: a seam that is not welded";
             hints.push(format!("{} {seam}", self.seam_vertices));
-        }
-        let size = self
-            .bounding_box
-            .map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
-        // Objects that people scan measure between a centimetre and three metres.
-        if (0.01..=3.0).contains(&size) {
-            let size = 100.0 * size;
-            hints.push(format!("the longest side is {size:.2} cm if the unit is the metre"));
-        } else if (10.0..=3000.0).contains(&size) {
-            let size = 0.1 * size;
-            hints.push(format!("the longest side is {size:.2} cm if the unit is the millimetre"));
         }
         hints
     }
@@ -259,18 +247,18 @@ mod tests {
     }
 
     #[test]
-    fn hints_tell_the_unit_the_side_and_seams() {
+    fn hints_tell_the_side_and_seams() {
         let corners = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]];
-        let inwards = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
-        let d = Diagnosis::new(&TriMesh::new(corners.to_vec(), inwards).unwrap());
-        let metres = "the longest side is 50.00 cm if the unit is the metre";
-        assert_eq!(d.hints(), ["the volume is negative: normals point inwards", metres]);
+        let hints = |faces| Diagnosis::new(&TriMesh::new(corners.to_vec(), faces).unwrap()).hints();
+        let outwards = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let inwards = outwards.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        assert_eq!(hints(outwards), [""; 0]);
+        assert_eq!(hints(inwards), ["the volume is negative: normals point inwards"]);
         let corners = [[0.0; 3], [50.0, 0.0, 0.0], [0.0, 20.0, 0.0]];
         let twice = [corners, corners].concat();
         let d = Diagnosis::new(&TriMesh::new(twice, vec![[0, 1, 2], [3, 4, 5]]).unwrap());
         let hints = d.hints();
-        assert!(hints[0].starts_with("6 boundary vertices"), "{hints:?}");
-        assert_eq!(hints[1], "the longest side is 5.00 cm if the unit is the millimetre");
+        assert!(hints.len() == 1 && hints[0].starts_with("6 boundary vertices"), "{hints:?}");
     }
 
     /// The ratios do not depend on the unit of length.

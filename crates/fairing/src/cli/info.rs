@@ -4,9 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use fairing::mesh::io::{PolygonFile, ReadReport, VertexFields};
-use fairing::mesh::{
-    Diagnosis, PolygonMesh, RepairOptions, RepairStep, Repaired, Tally, TriMesh, repair,
-};
+use fairing::mesh::{Diagnosis, PolygonMesh, Tally, TriMesh};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -20,7 +18,7 @@ use super::table::{Table, number};
 /// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
 /// numbered from 0. Face and edge counts are those of the file, polygons included;
 /// degenerate, sliver and duplicate faces are counted after splitting into triangles. What only
-/// faces have is left out for points. Ends with the command that would mend what was found.
+/// faces have is left out for points. Ends with the command that mends what needs no further option.
 #[derive(Args)]
 pub(crate) struct Info {
     #[command(flatten)]
@@ -214,72 +212,36 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     table
 }
 
-/// The command that mends what was found; `None` if repair changes nothing of it.
-///
-/// Each option is tried, and named only if it mends something.
+/// The command that mends what was counted; `None` if `repair` without options mends none of it.
 fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String> {
+    let defects = [
+        d.isolated_vertices,
+        d.duplicate_faces,
+        d.nonmanifold_edges,
+        d.nonmanifold_vertices,
+        d.turned_faces,
+    ];
     let inside_out = d.volume.is_some_and(|volume| volume < 0.0);
-    let found = d.seam_vertices + d.sliver_faces.count > 0 || d.boundary_loops > 1 || inside_out;
-    if d.faces == 0 || (d.is_clean() && !found) {
-        return None;
-    }
-    let mut options = RepairOptions::DEFAULT;
-    let mut flags = String::new();
-    let mut repaired = repair(mesh, &options).ok()?;
-    let thin_faces = |repaired: &Repaired| {
-        let d = Diagnosis::new(&repaired.mesh);
-        d.degenerate_faces.count + d.sliver_faces.count
-    };
-    if thin_faces(&repaired) > 0 {
-        let thin = RepairOptions { thin: Diagnosis::SLIVER, ..options.clone() };
-        let mended = repair(mesh, &thin).ok()?;
-        if thin_faces(&mended) < thin_faces(&repaired) {
-            flags += &format!(" --thin {}", thin.thin);
-            (options, repaired) = (thin, mended);
-        }
-    }
-    if let Some(holes) = largest_hole(&repaired.mesh) {
-        let filled = repair(mesh, &RepairOptions { holes, ..options }).ok()?;
-        if !filled.changed(RepairStep::FilledHoles).is_empty() {
-            flags += &format!(" --holes {holes}");
-            repaired = filled;
-        }
-    }
-    // One-sided parts stay inconsistent, whatever faces are flipped.
-    let is_still_inconsistent = || {
-        let after = Diagnosis::new(&repaired.mesh).inconsistent_edges.count;
-        after > 0 && after == d.inconsistent_edges.count
-    };
-    let flips_only = repaired.changes.iter().all(|(step, _)| *step == RepairStep::TurnedFaces);
-    if repaired.is_unchanged() || (flips_only && is_still_inconsistent()) {
+    let found = defects.iter().any(|tally| tally.count > 0) || inside_out || has_open_seam(mesh, d);
+    if d.faces == 0 || !found {
         return None;
     }
     let mut name = input.display().to_string();
     if name.contains(|c: char| !c.is_alphanumeric() && !"/._-+".contains(c)) {
         name = format!("'{}'", name.replace('\'', r"'\''"));
     }
-    Some(format!("fairing repair {name} -o repaired.ply{flags}"))
+    Some(format!("fairing repair {name} -o repaired.ply"))
 }
 
-/// The number of edges of the largest boundary that is a hole and not a rim: the longest boundary
-/// of a component may be its rim, and no rim has fewer edges.
-fn largest_hole(mesh: &TriMesh) -> Option<usize> {
-    let components = mesh.topology().components();
-    let label = |v: u32| components.label(v).map_or(0, |label| label as usize);
-    let mut faces = vec![0; components.count()];
-    mesh.faces().iter().for_each(|face| faces[label(face[0])] += 1);
-    let mut loops = mesh.topology().boundary_loops().to_vec();
-    loops.sort_by_key(|boundary| std::cmp::Reverse(boundary.len()));
-    let (mut rims, mut holes) = (vec![None; components.count()], vec![]);
-    // The rim of a single face is never filled.
-    for boundary in loops.iter().filter(|boundary| faces[label(boundary[0])] > 1) {
-        match &mut rims[label(boundary[0])] {
-            Some(_) => holes.push(boundary.len()),
-            rim => *rim = Some(boundary.len()),
-        }
-    }
-    let limit = rims.into_iter().flatten().min()?.min(RepairOptions::MAX_HOLE);
-    holes.into_iter().find(|edges| *edges <= limit)
+/// True if joining the vertices at one position gives more edges exactly two faces: not at copies
+/// of an edge with more faces.
+fn has_open_seam(mesh: &TriMesh, d: &Diagnosis) -> bool {
+    let inner = |mesh: &TriMesh| {
+        let topology = mesh.topology();
+        let others = topology.boundary_edges().count() + topology.nonmanifold_edges().count();
+        topology.edges().len() - others
+    };
+    d.seam_vertices > 0 && inner(&mesh.welded().mesh) > inner(mesh)
 }
 
 fn yes(flag: bool) -> String {
