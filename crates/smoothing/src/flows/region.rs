@@ -4,7 +4,7 @@ use fairing_mesh::{RepairError, RepairOptions, Repaired, TriMesh, repair_with};
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 use fairing_parameters::Options;
 use fairing_sparse::{
-    Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
+    Cholesky, LaplacianPower, SparseMatrix, larger, multiply_points, principal_submatrix,
 };
 
 use crate::engine::assemble::operators;
@@ -13,7 +13,6 @@ use crate::engine::diffusion::{
 };
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
-use crate::engine::parts::larger;
 use crate::engine::run::refuse_unwelded;
 
 fairing_parameters::options! {
@@ -172,7 +171,7 @@ fn refine(
     let low = corners().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].min(p[k])));
     let high = corners().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].max(p[k])));
     let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
-    let extent = extent.fold(0.0, f64::max);
+    let extent = extent.fold(0.0, larger);
     let mut before = f64::INFINITY;
     for iterations in 1..=MAX_CORRECTIONS {
         let all = power.apply(x);
