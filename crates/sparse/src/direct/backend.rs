@@ -196,3 +196,17 @@ pub(crate) fn symmetric_eigen(
     values.iter_mut().for_each(|v| *v *= unit);
     Ok((values, vectors))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_with_nan_has_no_eigenvalues() {
+        for place in 0..4 {
+            let mut matrix = [2.0, 1.0, 1.0, 2.0];
+            matrix[place] = f64::NAN;
+            assert_eq!(symmetric_eigen(2, &matrix), Err(NoConvergence), "{place}");
+        }
+    }
+}
