@@ -124,6 +124,9 @@ def test_messages_name_element_and_value() -> None:
         ((v, np.array([[0, 1, 2**40]])), "face 0 names vertex 1099511627776"),
         ((v, [[0, 1, 1]]), "face 0 repeats a corner: vertices 0, 1, 1"),
         ((np.array([[0, 0, np.nan]] * 3), [[0, 1, 2]]), "vertex 0 has the coordinates"),
+        # The extent along an axis on which all are infinite is not a number.
+        ((v + [np.inf, 0, 0], [[0, 1, 2]]), "vertex 0 has the coordinates"),
+        ((v - np.inf, [[0, 1, 2]]), "vertex 0 has the coordinates"),
         ((v[:, :2], [[0, 1, 2]]), r"shape \(3, 2\)"),
         ((v, [[0, 1, 2, 0]]), "from_polygons"),
     ]
@@ -135,6 +138,8 @@ def test_messages_name_element_and_value() -> None:
     with pytest.raises(TypeError, match="real numbers"):
         pf.Mesh(v.astype(complex), [[0, 1, 2]])
     mesh = pf.Mesh(v, [[0, 1, 2]])
+    with pytest.raises(pf.MeshError, match="vertex 0 has the coordinates"):
+        mesh.with_vertices(v + [0, np.inf, 0])
     with pytest.raises(pf.OptionError, match=r"the field x is nan at 1"):
         mesh.with_fields(x=[0, np.nan, 0])
     with pytest.raises(pf.OptionError, match="sources names vertex 3, but there are 3"):

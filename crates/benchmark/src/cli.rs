@@ -123,7 +123,8 @@ pub(crate) struct Train {
 
 #[derive(Debug, Args)]
 pub(crate) struct Bench {
-    /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md.
+    /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md,
+    /// `hubs` times all verbs of the program on meshes with a vertex of thousands of faces.
     /// Without a task, the tasks are listed
     pub(crate) task: Option<String>,
     /// The mesh

@@ -5,8 +5,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Masked;
-use super::noise_scale::{self, GAUSSIAN_MEDIAN, Growth, median, quadric_residual, residual};
+use super::noise_scale::{GAUSSIAN_MEDIAN, Growth, quadric_residual, residual};
 use fairing_operators::tangent_frame;
+use fairing_sparse::median;
 
 /// The least tail ratio of impulsive noise: Gaussian
 /// residuals give 1 by construction, and 1.15 is beyond what curvature and
@@ -310,7 +311,7 @@ fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
         |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
     let enough = ENOUGH * two_ring.len() as f64;
     let counted = sizes.iter().filter(|sizes| sizes.len() as f64 >= enough);
-    let levels = counted.filter_map(|sizes| noise_scale::median(sizes));
+    let levels = counted.filter_map(|sizes| fairing_sparse::median(sizes));
     let least = levels.filter(|&level| level > EXACT * median).fold(median, f64::min);
     Some(NoiseEstimate {
         sigma: least / GAUSSIAN_MEDIAN,
@@ -504,11 +505,6 @@ mod tests {
     /// Of an even number of residuals the level is that of the mean of the two in the middle.
     #[test]
     fn the_median_of_an_even_number_lies_between() {
-        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
-        assert_eq!(
-            (median(&[1.0, 2.0, 9.0]), median(&[7.0]), median(&[])),
-            (Some(2.0), Some(7.0), None)
-        );
         let level = level_of(&mut [vec![9.0, 2.0, 1.0, 4.0], vec![], vec![]]).unwrap();
         assert_eq!((level.sigma, level.samples), (3.0 / GAUSSIAN_MEDIAN, 4));
         assert_eq!(level.tail_ratio, 3.0 / GAUSSIAN_TAIL);

@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
+use fairing_sparse::median;
 
 use super::faces::Marks;
 
@@ -242,12 +243,6 @@ impl Stencil {
     fn new(vertices: usize) -> Self {
         Self { marks: Marks::new(vertices), queue: vec![], points: vec![] }
     }
-}
-
-/// The middle of ascending values; the mean of both where there are two.
-pub(crate) fn median(sorted: &[f64]) -> Option<f64> {
-    let n = sorted.len();
-    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
 }
 
 /// The standardised residual at the origin from a quadric through the points.

@@ -4,15 +4,8 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
+use crate::hub::{by_hub, seen};
 use crate::surface_tree::{Frame, SurfaceTree};
-
-/// The number of faces at a vertex above which their pairs are found by direction.
-/// Below, up to half a million pairs are tested one by one, in hundredths of a
-/// second.
-const HUB: usize = 1000;
-
-/// A triangle whose box has all directions.
-const ALL_DIRECTIONS: [DVec3; 3] = [DVec3::NEG_ONE, DVec3::ONE, DVec3::ONE];
 
 /// The number of pairs of faces that pass through each other.
 ///
@@ -35,69 +28,38 @@ pub fn self_intersections(mesh: &TriMesh) -> usize {
         let (f, g) = (mesh.faces()[f as usize], mesh.faces()[g as usize]);
         crosses(mesh, f, g) || crosses(mesh, g, f)
     };
-    let groups = by_hub(mesh);
-    let tree = |faces: &Vec<u32>| {
-        SurfaceTree::of(faces.clone(), |f| mesh.triangle(f as usize).map(DVec3::from), frame)
-    };
-    let trees: Vec<SurfaceTree> = groups.iter().map(|(_, faces)| tree(faces)).collect();
-    let mut count = 0;
-    for (i, (hub, faces)) in groups.iter().enumerate() {
-        count += match hub {
-            None => trees[i].count_overlapping_pairs(&trees[i], meets),
-            Some(hub) => {
-                let arcs = SurfaceTree::of(faces.clone(), |f| arc(mesh, *hub, f), Frame::HALF);
-                arcs.count_overlapping_pairs(&arcs, meets)
-            }
-        };
-        for other in trees[..i].iter().filter(|other| other.may_meet(&trees[i])) {
-            let few_first = trees[i].len() < other.len();
-            let (a, b) = if few_first { (&trees[i], other) } else { (other, &trees[i]) };
-            count += a.count_overlapping_pairs(b, meets);
+    let (others, hubs) = by_hub(mesh);
+    let tree =
+        SurfaceTree::of(others.clone(), |f| mesh.triangle(f as usize).map(DVec3::from), frame);
+    let mut count = tree.count_overlapping_pairs(&tree, meets);
+    for (i, (hub, faces)) in hubs.iter().enumerate() {
+        let as_seen =
+            |faces: Vec<u32>| SurfaceTree::of(faces, |f| seen(mesh, *hub, f), Frame::HALF);
+        let arcs = as_seen(faces.clone());
+        count += arcs.count_overlapping_pairs(&arcs, meets);
+        for group in std::iter::once(&others).chain(hubs[..i].iter().map(|(_, faces)| faces)) {
+            count += as_seen(near(mesh, group, faces)).count_overlapping_pairs(&arcs, meets);
         }
     }
     count
 }
 
-/// The faces without a hub, a vertex of more than [`HUB`] faces, and those of
-/// each hub, of which a face with several has the lowest.
-///
-/// The boxes of the faces of a hub overlap, as many pairs as there are, near the
-/// hub; only the directions in which it sees them are apart.
-fn by_hub(mesh: &TriMesh) -> Vec<(Option<u32>, Vec<u32>)> {
-    let offsets = mesh.incidence().offsets();
-    let is_hub = |v: u32| (offsets[v as usize + 1] - offsets[v as usize]) as usize > HUB;
-    let all = 0..mesh.face_count() as u32;
-    let mut of_hubs: Vec<(u32, u32)> = vec![];
-    let mut others = vec![];
-    for f in all {
-        match mesh.faces()[f as usize].into_iter().filter(|&v| is_hub(v)).min() {
-            Some(hub) => of_hubs.push((hub, f)),
-            None => others.push(f),
-        }
-    }
-    of_hubs.sort_unstable();
-    let groups = of_hubs.chunk_by(|a, b| a.0 == b.0);
-    let groups = groups.map(|group| (Some(group[0].0), group.iter().map(|x| x.1).collect()));
-    std::iter::once((None, others)).chain(groups).collect()
-}
-
-/// A triangle around the directions in which a corner sees the opposite side:
-/// an arc of the unit sphere, between its ends and where its tangents there
-/// meet. Two faces that cross, and have only that corner in common, do so in a
-/// direction of both.
-fn arc(mesh: &TriMesh, corner: u32, face: u32) -> [DVec3; 3] {
-    let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
-    let [p, q] = match mesh.faces()[face as usize] {
-        [a, b, c] if a == corner => [b, c],
-        [a, b, c] if b == corner => [c, a],
-        [a, b, _] => [a, b],
+/// The faces whose boxes overlap the one around other faces.
+fn near(mesh: &TriMesh, faces: &[u32], others: &[u32]) -> Vec<u32> {
+    let bounds = |f: &u32| {
+        let [a, b, c] = mesh.triangle(*f as usize).map(DVec3::from);
+        [a.min(b).min(c), a.max(b).max(c)]
     };
-    let direction = |v: u32| (at(v) - at(corner)).try_normalize();
-    match (direction(p), direction(q)) {
-        // Up to a right angle, which leaves the tangents' meeting within √2.
-        (Some(u), Some(v)) if u.dot(v) >= 0.0 => [u, v, (u + v) * (1.0 / (1.0 + u.dot(v)))],
-        _ => ALL_DIRECTIONS,
-    }
+    let join = |[low, high]: [DVec3; 2], f: &u32| {
+        let [l, h] = bounds(f);
+        [low.min(l), high.max(h)]
+    };
+    let [low, high] = others.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], join);
+    let overlaps = |f: &&u32| {
+        let [l, h] = bounds(f);
+        l.cmple(high).all() && h.cmpge(low).all()
+    };
+    faces.iter().filter(overlaps).copied().collect()
 }
 
 /// Returns true if a side of `face` that has no corner in common with `other` crosses `other`.
@@ -226,6 +188,34 @@ mod tests {
             .count();
         assert!(expected > 1000);
         assert_eq!(self_intersections(&star), expected);
+    }
+
+    /// The apex of a closed cone, the centre of its base and a body through both see each other's
+    /// faces: the same number as by testing all pairs.
+    #[test]
+    fn faces_of_two_hubs() {
+        let n = 1200u32;
+        let mut positions = vec![[0.0, 0.0, 1.0], [0.1, 0.2, 0.0]];
+        positions.extend((0..n).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+            // Waves of the rim let the faces of the two hubs cross near it.
+            [angle.cos(), angle.sin(), if i % 2 == 0 { 0.0 } else { 0.05 }]
+        }));
+        let next = |i: u32| 2 + (i + 1) % n;
+        let mut faces: Vec<[u32; 3]> =
+            (0..n).flat_map(|i| [[0, 2 + i, next(i)], [1, next(next(i) - 2), 2 + i]]).collect();
+        let body = shapes::icosphere(2);
+        faces.extend(body.faces().iter().map(|f| f.map(|v| v + 2 + n)));
+        positions.extend(body.positions().iter().map(|p| [0.3 * p[0], 0.3 * p[1], 0.4 * p[2]]));
+        let both = mesh(&positions, &faces);
+        let pairs = (0..faces.len()).flat_map(|f| (0..f).map(move |g| (f, g)));
+        let expected = pairs
+            .filter(|&(f, g)| {
+                crosses(&both, faces[f], faces[g]) || crosses(&both, faces[g], faces[f])
+            })
+            .count();
+        assert!(expected > 100, "{expected}");
+        assert_eq!(self_intersections(&both), expected);
     }
 
     /// Two faces with a common corner may still cross.

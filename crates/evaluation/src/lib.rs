@@ -15,6 +15,7 @@ mod drift;
 mod error;
 mod features;
 mod hausdorff;
+mod hub;
 mod inside;
 mod intersections;
 mod noise;

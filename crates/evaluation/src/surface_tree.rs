@@ -12,11 +12,14 @@
 //!
 //! [kamel1993]: https://doi.org/10.1145/170088.170403
 
+use std::ops::Range;
+
 use fairing_mesh::{TriMesh, hilbert};
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
+use crate::hub::{by_hub, seen};
 use crate::triangle::{closest_point, squared_distance};
 
 /// Half the spacing of single-precision numbers around 1.
@@ -25,6 +28,9 @@ const ROUNDOFF: f32 = f32::EPSILON / 2.0;
 /// Points in a row that share hints; fixed, so that ties are decided the same
 /// way whatever the number of threads.
 const CHUNK: usize = 256;
+
+/// Hubs whose faces are found by direction, each of which every search looks at.
+const MAX_FANS: usize = 16;
 
 /// The point of a surface closest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +58,20 @@ pub struct SurfaceTree {
     /// The face of each of them.
     faces: Vec<u32>,
     frame: Frame,
+    /// The faces of hubs, which follow those of the levels.
+    fans: Vec<Fan>,
+}
+
+/// The faces around a hub, by the directions in which it sees them.
+#[derive(Debug)]
+struct Fan {
+    hub: DVec3,
+    /// Those of the faces, in the levels of their tree.
+    slots: Range<usize>,
+    /// As of the tree, with boxes around directions, in units of [`Frame::HALF`].
+    levels: Vec<Vec<Quad>>,
+    /// The box of the faces, four times.
+    around: Quad,
 }
 
 /// Four boxes, by coordinate.
@@ -69,6 +89,14 @@ impl Quad {
         for k in 0..3 {
             self.low[k][i] = low[k];
             self.high[k][i] = high[k];
+        }
+    }
+
+    /// The box around the four, four times.
+    fn around(&self) -> Self {
+        Self {
+            low: self.low.map(|v| Vec4::splat(v.min_element())),
+            high: self.high.map(|v| Vec4::splat(v.max_element())),
         }
     }
 
@@ -112,6 +140,13 @@ impl Frame {
         Some(Self { centre, scale: if inverse.is_finite() { inverse } else { 1.0 } })
     }
 
+    #[inline]
+    fn query(self, p: DVec3) -> Query {
+        let q = self.to_tree(p);
+        let size = q.iter().fold(1.0f32, |s, x| s + x.abs());
+        Query { place: q.map(Vec4::splat), margin: Vec4::splat(4.0 * ROUNDOFF * size) }
+    }
+
     /// Rounded to single precision: off by at most [`ROUNDOFF`] × its size.
     #[inline]
     fn to_tree(self, p: DVec3) -> [f32; 3] {
@@ -123,7 +158,8 @@ impl Frame {
 type Pending = (f32, u32, u32);
 
 impl SurfaceTree {
-    /// Builds the tree; F log F for F faces.
+    /// Builds the tree; F log F for F faces. The boxes of long faces around one vertex overlap
+    /// there: those of up to [`MAX_FANS`] vertices are found by direction.
     ///
     /// # Errors
     ///
@@ -133,8 +169,26 @@ impl SurfaceTree {
             Some(frame) if mesh.face_count() > 0 => frame,
             _ => return Err(EvaluationError::NoFaces { which: "mesh" }),
         };
-        let faces = (0..mesh.face_count() as u32).collect();
-        Ok(Self::of(faces, |f| mesh.triangle(f as usize).map(DVec3::from), frame))
+        let (mut others, mut hubs) = by_hub(mesh);
+        hubs.sort_by_key(|(_, faces)| std::cmp::Reverse(faces.len()));
+        others.extend(hubs.drain(hubs.len().min(MAX_FANS)..).flat_map(|(_, faces)| faces));
+        let triangle = |f: u32| mesh.triangle(f as usize).map(DVec3::from);
+        let mut tree = Self::of(others, triangle, frame);
+        for (hub, faces) in hubs {
+            let plain = Self::of(faces.clone(), triangle, frame);
+            let directions = Self::of(faces, |f| seen(mesh, hub, f), Frame::HALF);
+            let around = plain.levels.last().map_or(Quad::EMPTY, |level| level[0].around());
+            let first = tree.faces.len();
+            tree.triangles.extend(directions.faces.iter().map(|&f| triangle(f)));
+            tree.faces.extend(directions.faces);
+            tree.fans.push(Fan {
+                hub: mesh.positions()[hub as usize].into(),
+                slots: first..tree.faces.len(),
+                levels: directions.levels,
+                around,
+            });
+        }
+        Ok(tree)
     }
 
     /// The tree of the given faces, which may be none.
@@ -188,7 +242,7 @@ impl SurfaceTree {
                 .collect();
             levels.push(above);
         }
-        Self { levels, triangles, faces, frame }
+        Self { levels, triangles, faces, frame, fans: vec![] }
     }
 
     /// The closest point of the surface.
@@ -251,22 +305,6 @@ impl SurfaceTree {
             .collect()
     }
 
-    /// The number of faces.
-    pub(crate) fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
-    /// Returns true if the boxes of two trees of one frame overlap.
-    pub(crate) fn may_meet(&self, other: &Self) -> bool {
-        let bounds = |tree: &Self| {
-            let top = tree.levels.last().and_then(|level| level.first()).unwrap_or(&Quad::EMPTY);
-            (top.low.map(|v| v.min_element()), top.high.map(|v| v.max_element()))
-        };
-        let ((low, high), (from, to)) = (bounds(self), bounds(other));
-        // Twice the rounding of a coordinate of at most 1, on either side.
-        (0..3).all(|k| low[k] <= to[k] + 4.0 * ROUNDOFF && from[k] <= high[k] + 4.0 * ROUNDOFF)
-    }
-
     /// The number of pairs of faces, one of either tree, for which `counts`
     /// holds, among those whose boxes overlap; each pair is asked once. The trees
     /// have the same frame, and may be the same.
@@ -319,30 +357,80 @@ impl SurfaceTree {
     /// The closest triangle, beginning with a hint, and the square of its
     /// distance.
     fn search(&self, p: DVec3, hint: u32, stack: &mut Vec<Pending>) -> (u32, f64) {
-        let q = self.frame.to_tree(p);
-        let size = q.iter().fold(1.0f32, |s, x| s + x.abs());
-        let query = Query { place: q.map(Vec4::splat), margin: Vec4::splat(4.0 * ROUNDOFF * size) };
+        let query = self.frame.query(p);
         // The square of the distance in units of the tree, rounded up by more
         // than a bound is rounded.
         let unit = self.frame.scale * self.frame.scale * (1.0 + 1e-6);
         let above = |d2: f64| (d2 * unit) as f32 + f32::MIN_POSITIVE;
         let mut best = (hint, squared_distance(p, self.triangles[hint as usize]));
+        let main = 0..self.fans.first().map_or(self.faces.len(), |fan| fan.slots.start);
+        self.descend(
+            p,
+            (&self.levels[..], main),
+            &mut best,
+            stack,
+            |quad| quad.below(&query),
+            above,
+        );
+        for fan in &self.fans {
+            if fan.around.below(&query)[0] > above(best.1) {
+                continue;
+            }
+            // None is farther than the hub.
+            let first = fan.slots.start;
+            let d2 = squared_distance(p, self.triangles[first]);
+            if d2 < best.1 {
+                best = (first as u32, d2);
+            }
+            let Some(direction) = (p - fan.hub).try_normalize() else { continue };
+            let query = Frame::HALF.query(direction);
+            // The sine of the angle between two directions is the distance over that of the hub:
+            // for chords c between them sin² = c² − c⁴/4. Beyond a right angle the hub is closest.
+            let sines = |quad: &Quad| {
+                quad.below(&query).map(|quarter| match 4.0 * quarter {
+                    square if square < 2.0 => square - 0.25 * square * square,
+                    _ => f32::INFINITY,
+                })
+            };
+            let unit = (1.0 + 1e-6) / fan.hub.distance_squared(p);
+            let above = |d2: f64| (d2 * unit) as f32 + f32::MIN_POSITIVE;
+            let levels = (&fan.levels[..], fan.slots.clone());
+            self.descend(p, levels, &mut best, stack, sines, above);
+        }
+        best
+    }
+
+    /// Looks for a closer triangle in the levels over some slots. `below` gives lower bounds for
+    /// four boxes, and `above` the upper one of a squared distance, in the same unit.
+    #[inline]
+    fn descend(
+        &self,
+        p: DVec3,
+        (levels, slots): (&[Vec<Quad>], Range<usize>),
+        best: &mut (u32, f64),
+        stack: &mut Vec<Pending>,
+        below: impl Fn(&Quad) -> [f32; 4],
+        above: impl Fn(f64) -> f32,
+    ) {
+        if slots.is_empty() {
+            return;
+        }
         let mut bound = above(best.1);
         stack.clear();
-        stack.push((0.0, self.levels.len() as u32 - 1, 0));
+        stack.push((0.0, levels.len() as u32 - 1, 0));
         while let Some((d, level, i)) = stack.pop() {
             if d > bound {
                 continue;
             }
-            let below = self.levels[level as usize][i as usize].below(&query);
+            let below = below(&levels[level as usize][i as usize]);
             if level == 0 {
-                let first = 4 * i as usize;
-                let four = &self.triangles[first..(first + 4).min(self.triangles.len())];
+                let first = slots.start + 4 * i as usize;
+                let four = &self.triangles[first..(first + 4).min(slots.end)];
                 for (k, &triangle) in four.iter().enumerate() {
                     if below[k] <= bound {
                         let d2 = squared_distance(p, triangle);
                         if d2 < best.1 {
-                            best = ((first + k) as u32, d2);
+                            *best = ((first + k) as u32, d2);
                             bound = above(d2);
                         }
                     }
@@ -351,7 +439,7 @@ impl SurfaceTree {
             }
             // The nearest goes onto the stack last.
             let start = stack.len();
-            let count = self.levels[level as usize - 1].len() as u32;
+            let count = levels[level as usize - 1].len() as u32;
             for k in 0..4 {
                 let child = 4 * i + k;
                 if below[k as usize] <= bound && child < count {
@@ -361,7 +449,6 @@ impl SurfaceTree {
                 }
             }
         }
-        best
     }
 }
 
@@ -373,6 +460,18 @@ mod tests {
 
     use super::*;
 
+    /// A closed cone with two hubs, one of them a little off the plane of the base.
+    fn cone(n: u32) -> TriMesh {
+        let rim = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+            [angle.cos(), angle.sin(), 0.0]
+        };
+        let positions = [[0.1, 0.2, 1.0], [0.0, 0.0, 0.05]].into_iter().chain((0..n).map(rim));
+        let next = |i: u32| 2 + (i + 1) % n;
+        let faces = (0..n).flat_map(|i| [[0, 2 + i, next(i)], [1, next(i), 2 + i]]);
+        TriMesh::new(positions.collect(), faces.collect()).unwrap()
+    }
+
     /// The tree against all faces one by one, exactly: near, far, and on a
     /// mesh far from the origin and very small or large.
     #[test]
@@ -382,6 +481,7 @@ mod tests {
             shapes::cad_block(0.3),
             shapes::plane(7, 5, shapes::Diagonals::Alternating),
             shapes::plane(1, 1, shapes::Diagonals::Regular),
+            cone(1500),
         ];
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         for shape in shapes {

@@ -131,7 +131,7 @@ fn extent(positions: &[[f64; 3]]) -> f64 {
 struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
-    /// False if a coordinate is NaN; an infinite one shows in the box or here.
+    /// True if all coordinates are finite.
     finite: bool,
 }
 
@@ -140,7 +140,8 @@ impl Bounds {
         // Twelve numbers at a time, without a branch, are compared by vector instructions.
         const LANES: usize = 12;
         let first: [f64; LANES] = std::array::from_fn(|lane| positions[0][lane % 3]);
-        // A sum is NaN where a number is, which comparisons do not show.
+        // A sum is NaN where a number is, which comparisons do not show; infinite ones are the
+        // lowest or the highest.
         let (mut low, mut high, mut sum) = (first, first, [0.0; LANES]);
         let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
         for block in blocks {
@@ -161,11 +162,9 @@ impl Bounds {
         let fold = |lanes: [f64; LANES], f: fn(f64, f64) -> f64| {
             std::array::from_fn(|k| lanes.into_iter().skip(k).step_by(3).fold(positions[0][k], f))
         };
-        Self {
-            low: fold(low, f64::min),
-            high: fold(high, f64::max),
-            finite: !sum.iter().any(|sum| sum.is_nan()),
-        }
+        let (low, high) = (fold(low, f64::min), fold(high, f64::max));
+        let in_box = low.iter().chain(&high).all(|x| x.is_finite());
+        Self { low, high, finite: in_box && !sum.iter().any(|sum| sum.is_nan()) }
     }
 }
 
@@ -185,4 +184,41 @@ pub(crate) fn check_faces(faces: &[[u32; 3]], count: usize) -> Result<(), BuildE
     // The first error of all, as on one thread.
     let failed = (0..faces.len()).into_par_iter().with_min_len(BLOCK).map(check);
     failed.find_first(Result::is_err).unwrap_or(Ok(()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One coordinate, all coordinates along an axis, or all: the extent of an axis on which all
+    /// are infinite is not a number.
+    #[test]
+    fn positions_that_are_not_finite_are_refused() {
+        // The first lanes, the rest after the last block of lanes, and a second block.
+        for count in [1, 3, 7, BLOCK + 5] {
+            for bad in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+                for k in 0..3 {
+                    let one = |at: usize| {
+                        let mut positions = vec![[1.0, 2.0, 3.0]; count];
+                        positions[at][k] = bad;
+                        (at, positions)
+                    };
+                    let all_of_axis = {
+                        let mut position = [1.0, 2.0, 3.0];
+                        position[k] = bad;
+                        (0, vec![position; count])
+                    };
+                    let all = (0, vec![[bad; 3]; count]);
+                    for (vertex, positions) in [one(0), one(count - 1), all_of_axis, all] {
+                        let error = check_positions(&positions).unwrap_err();
+                        let named = matches!(error, BuildError::NonFinite { vertex: v, .. }
+                            if v as usize == vertex);
+                        assert!(named, "{count} vertices, {bad} at {vertex}, {k}: {error}");
+                    }
+                }
+            }
+        }
+        let opposite = vec![[f64::INFINITY, 0.0, 0.0], [f64::NEG_INFINITY, 0.0, 0.0]];
+        assert!(matches!(check_positions(&opposite), Err(BuildError::NonFinite { vertex: 0, .. })));
+    }
 }

@@ -74,6 +74,18 @@ pub enum OperatorError {
         /// The second parameter.
         v: f64,
     },
+    /// Balls hold far more faces or vertices than their radius in edges suggests.
+    #[error(
+        "the ball of {edges} mean edges about vertex {vertex} holds {elements} faces or vertices, far more than on an even mesh: choose a smaller radius, or rings"
+    )]
+    Crowded {
+        /// The centre of the fullest of the balls that were examined.
+        vertex: u32,
+        /// The faces or vertices in it.
+        elements: usize,
+        /// The radius, in mean edge lengths.
+        edges: f64,
+    },
     /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] ParameterError),

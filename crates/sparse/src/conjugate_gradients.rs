@@ -3,6 +3,7 @@
 
 use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
+use crate::order::larger;
 use crate::parallel;
 
 /// A symmetric positive definite system A x = b of `B` columns, to be solved by
@@ -172,11 +173,6 @@ fn squares<const B: usize>(r: &[f64; B], z: &[f64; B]) -> [[f64; B]; 2] {
 /// a/b, where zero over anything is zero.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
-}
-
-/// The larger of two numbers; NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
 }
 
 /// Solves A x = b from the initial guess `x`. Returns the solution found with its residuals, and

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::matrix::SparseMatrix;
+use crate::order::larger;
 use crate::parallel::{self, CHUNK, Sum};
 
 /// `L = −M⁻¹S` for a symmetric `S` with zero row sums and a positive diagonal `M`: negative
@@ -234,7 +235,7 @@ impl GraphLaplacian {
             let (sum, size) = row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
             (sum + size) * self.inverse[i]
         };
-        (0..self.len()).map(circle).fold(0.0, f64::max)
+        (0..self.len()).map(circle).fold(0.0, larger)
     }
 
     /// Calls `f(i, neighbours of i, yᵢ)` for every row, in parallel.

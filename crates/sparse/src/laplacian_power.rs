@@ -1,7 +1,7 @@
 //! Powers of a Laplacian.
 
 use crate::double::{self, Double};
-use crate::matrix::SparseMatrix;
+use crate::matrix::{SparseMatrix, principal_submatrix};
 
 /// `S (M⁻¹S)ᵏ⁻¹` for a symmetric `S` with zero row sums and a positive diagonal `M`.
 ///
@@ -47,6 +47,33 @@ impl<'a> LaplacianPower<'a> {
         let mut product = self.stiffness.clone();
         for _ in 1..self.order {
             product = &product * &walk;
+        }
+        product
+    }
+
+    /// The rows and columns `keep` of [`Self::matrix`], without the others: the time depends on the
+    /// neighbourhoods of these rows, but for passes over S.
+    ///
+    /// # Panics
+    ///
+    /// Panics unless `keep` holds rows in ascending order, each once.
+    pub fn principal(&self, keep: &[u32]) -> SparseMatrix {
+        if self.order == 1 {
+            return principal_submatrix(self.stiffness, keep);
+        }
+        assert!(keep.windows(2).all(|pair| pair[0] < pair[1]), "the rows that are kept ascend");
+        let shape = (keep.len(), self.mass.len());
+        let offsets = (0..=keep.len() as u32).collect();
+        let rows = SparseMatrix::new(shape, offsets, keep.to_vec(), vec![1.0; keep.len()]);
+        let mut product = self.stiffness * &rows.transpose_view().to_csr();
+        for factor in 1..self.order {
+            for (mut row, mass) in product.outer_iterator_mut().zip(self.mass) {
+                row.iter_mut().for_each(|(_, value)| *value /= mass);
+            }
+            product = match factor + 1 == self.order {
+                true => &(&rows * self.stiffness) * &product,
+                false => self.stiffness * &product,
+            };
         }
         product
     }
@@ -128,6 +155,10 @@ mod tests {
             let found = LaplacianPower::new(&stiffness, &mass, order).apply(&points);
             let expected: Vec<[f64; 3]> = exact.iter().map(|p| p.map(|x| x as f64)).collect();
             assert_eq!(found, expected, "order {order}");
+            let power = LaplacianPower::new(&stiffness, &mass, order);
+            let keep = [3, 4, 5, 14, 15, 40, 76];
+            let part = principal_submatrix(&power.matrix(), &keep);
+            assert_eq!(power.principal(&keep).to_dense(), part.to_dense(), "order {order}");
         }
     }
 }

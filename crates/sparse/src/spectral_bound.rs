@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::graph_laplacian::GraphLaplacian;
+use crate::order::larger;
 use crate::parallel;
 
 /// Lanczos steps, after which the largest eigenvalue is known to about one percent.
@@ -56,7 +57,7 @@ fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>)
     let mut norm = square.sqrt();
     for _ in 0..steps {
         fairing_watch::check();
-        if norm <= f64::EPSILON * alpha.iter().fold(0.0, |a: f64, b: &f64| a.max(*b)) {
+        if norm <= f64::EPSILON * alpha.iter().fold(0.0, |a, b: &f64| larger(a, *b)) {
             break;
         }
         // v = β q and w = −L q − β q₋₁ − α q.
@@ -84,7 +85,7 @@ fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>)
 fn largest_ritz_value(alpha: &[f64], beta: &[f64]) -> f64 {
     let reach =
         (0..alpha.len()).map(|k| alpha[k].abs() + beta[k] + if k == 0 { 0.0 } else { beta[k - 1] });
-    let (mut low, mut high) = (0.0, reach.fold(0.0, f64::max));
+    let (mut low, mut high) = (0.0, reach.fold(0.0, larger));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         // All eigenvalues lie below `middle` iff every pivot of T − middle is negative.

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use fairing_mesh::{TriMesh, io};
 use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
 use fairing_sparse::{
-    Cholesky, LaplacianPower, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
+    Cholesky, LaplacianPower, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine, larger,
     multiply_points,
 };
 
@@ -144,12 +144,12 @@ fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
 }
 
 fn largest(points: &[[f64; 3]]) -> f64 {
-    points.as_flattened().iter().fold(0.0, |m, x| m.max(x.abs()))
+    points.as_flattened().iter().fold(0.0, |m, x| larger(m, x.abs()))
 }
 
 fn extent(mesh: &TriMesh) -> f64 {
     mesh.bounding_box()
-        .map_or(1.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max))
+        .map_or(1.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, larger))
 }
 
 #[cfg(test)]

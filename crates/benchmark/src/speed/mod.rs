@@ -5,6 +5,7 @@ mod denoise;
 mod files;
 mod fresh;
 mod harmonic;
+mod hubs;
 mod metrics;
 mod operators;
 mod page;
@@ -82,6 +83,7 @@ pub(crate) fn run(options: Bench) -> Result<()> {
     let Some(task) = options.task.clone() else {
         println!("{:<22} builds from an empty target folder", "build");
         println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
+        println!("{:<22} all verbs on fans, stars, cones and combs of n and 4 n triangles", "hubs");
         for task in ALL {
             println!("{:<22} {}", task.name, task.about);
         }
@@ -89,6 +91,9 @@ pub(crate) fn run(options: Bench) -> Result<()> {
     };
     if task == "page" {
         return page::write(options.comparison.as_deref(), options.finest);
+    }
+    if task == "hubs" {
+        return hubs::run();
     }
     if options.once {
         return once(&task, &options);

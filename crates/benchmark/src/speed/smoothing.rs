@@ -3,6 +3,7 @@
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
+use fairing_sparse::larger;
 use glam::DVec3;
 
 use super::task::{Fingerprint, Job, Work, fingerprint, forgetful, work};
@@ -80,7 +81,7 @@ fn displacement_fingerprint(before: &TriMesh, after: &TriMesh) -> Fingerprint {
         .collect();
     fingerprint! {
         rms_disp: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
-        max_disp: squares.iter().copied().fold(0.0, f64::max).sqrt(),
+        max_disp: squares.iter().copied().fold(0.0, larger).sqrt(),
         sum_sq: after.positions().iter().map(|&p| DVec3::from(p).length_squared()).sum::<f64>(),
     }
 }

@@ -4,7 +4,8 @@ use anyhow::Result;
 use fairing_mesh::io;
 use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
 use fairing_sparse::{
-    EigenOptions, Mass, Ordering, SymbolicCholesky, combine, multiply_points, smallest_eigenpairs,
+    EigenOptions, Mass, Ordering, SymbolicCholesky, combine, larger, multiply_points,
+    smallest_eigenpairs,
 };
 use glam::DVec3;
 
@@ -27,7 +28,7 @@ pub(super) fn eigs(job: &Job) -> Result<Work> {
         let pairs = watch.phase("solve", solve)?;
         Ok(move || {
             let largest = pairs.values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
-            let worst = pairs.residuals.iter().fold(0.0, |m: f64, r| m.max(*r)) / largest;
+            let worst = pairs.residuals.iter().fold(0.0, |m, r| larger(m, *r)) / largest;
             Ok(fingerprint! {
                 eigenvalues: pairs.values[..pairs.values.len().min(10)],
                 eig_sum: pairs.values.iter().sum::<f64>(),

@@ -5,6 +5,7 @@ use fairing_figure::Up;
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 use fairing_smoothing::{ConformalizedMcf, conformalized_mean_curvature_flow};
+use fairing_sparse::larger;
 use glam::DVec3;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS};
@@ -92,7 +93,7 @@ fn rounded(errors: &[(usize, f64)]) -> String {
 }
 
 fn farthest(mesh: &TriMesh) -> f64 {
-    off_sphere(mesh).into_iter().fold(0.0, |most, off| most.max(off.abs()))
+    off_sphere(mesh).into_iter().fold(0.0, |most, off| larger(most, off.abs()))
 }
 
 /// The bumpy sphere as it becomes round: drawn, and to turn.

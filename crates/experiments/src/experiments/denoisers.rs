@@ -8,6 +8,7 @@ use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
+use fairing_sparse::larger;
 
 use super::families;
 use super::gallery::{VIEWPOINTS, plotted};
@@ -144,7 +145,7 @@ fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
         n if n == ratios.len() => format!("on all {n}"),
         n => format!("on {n} of the {}", ratios.len()),
     };
-    let largest = |ratios: &[f64]| brief(ratios.iter().copied().fold(0.0, f64::max));
+    let largest = |ratios: &[f64]| brief(ratios.iter().copied().fold(0.0, larger));
     let [cases, worse] = families::worse_than_defaults(tables)?;
     let lost = fresh.len() + known.len() - wins(&fresh) - wins(&known) + worse;
     let verdict = match (wins(&fresh), lost) {
@@ -178,7 +179,7 @@ fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
         let name = "benchmark cases in which a published default is better";
         judgement = judgement.number(name, worse as f64, Unit::Count);
     }
-    let ratio = fresh.iter().copied().fold(0.0, f64::max);
+    let ratio = fresh.iter().copied().fold(0.0, larger);
     Ok(judgement.number("largest ratio to the best published, here", ratio, Unit::One))
 }
 

@@ -7,6 +7,7 @@ use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
+use fairing_sparse::{larger, smaller};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -166,7 +167,7 @@ fn least_orders(orders: &Table) -> Result<Vec<(&'static str, f64)>> {
                 let c = rows.index(column)?;
                 // No order where the error is rounding alone.
                 let orders = rows.rows.iter().filter_map(|row| row[c].number());
-                least = orders.fold(least, f64::min);
+                least = orders.fold(least, smaller);
             }
         }
         worst.push((estimator.name(), least));
@@ -280,7 +281,7 @@ impl Study {
 fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<f64> {
     let [first, _] = field.directions.as_ref()?;
     let split = |c: &PointCurvature| c.values[0] - c.values[1];
-    let largest = defined.iter().map(|(_, c)| split(c)).fold(0.0, f64::max);
+    let largest = defined.iter().map(|(_, c)| split(c)).fold(0.0, larger);
     if largest < 1e-9 {
         return None;
     }

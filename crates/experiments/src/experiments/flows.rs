@@ -9,6 +9,7 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, Implicit, Method, Time, Update, implicit};
+use fairing_sparse::{larger, smaller};
 use glam::DVec3;
 
 use super::conformal;
@@ -86,12 +87,12 @@ impl Experiment for Flows {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let orders = tables.get("spheres")?.numbers("order")?;
-        let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = orders.iter().copied().fold(0.0, f64::max);
+        let least = orders.iter().copied().fold(f64::INFINITY, smaller);
+        let most = orders.iter().copied().fold(0.0, larger);
         let second = least > 1.8 && most < 2.2;
         let orders = between(least, most);
         let left = tables.get("conformal")?.column("off the sphere after")?;
-        let worst = left.iter().copied().fold(0.0, f64::max);
+        let worst = left.iter().copied().fold(0.0, larger);
         let methods = tables.get("methods")?;
         let of = |method: &str, column: &str| methods.value(&[("method", method.into())], column);
         let plain = of("implicit", "volume")?.abs();

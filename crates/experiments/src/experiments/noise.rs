@@ -5,10 +5,10 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
+use fairing_sparse::{larger, median, smaller};
 use rayon::prelude::*;
 
 use super::gallery::plotted;
-use super::statistics::median;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
@@ -88,7 +88,7 @@ impl Experiment for Noise {
                         .map(|seed| Run::new(&mesh, &clean, surface, sigma, seed))
                         .collect::<Result<_>>()?;
                     push(&mut changes, surface, mesh.vertex_count(), sigma, &runs);
-                    let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, f64::max);
+                    let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, larger);
                     totals.push(row![surface.name(), mesh.vertex_count(), sigma, distance]);
                 }
             }
@@ -108,15 +108,15 @@ impl Experiment for Noise {
         };
         let ([low, middle, high], [all_low, all_middle, _]) = (range(&plain)?, range(changes)?);
         let total = tables.get("totals")?.column("largest distance")?;
-        let total = total.into_iter().fold(0.0, f64::max);
+        let total = total.into_iter().fold(0.0, larger);
         let ratios = changes.column("√|K| over H")?;
         let errors = changes.column("standard error")?.into_iter().zip(ratios);
-        let error = errors.map(|(error, ratio)| error / ratio).fold(0.0, f64::max);
+        let error = errors.map(|(error, ratio)| error / ratio).fold(0.0, larger);
         let least = LEVELS[0];
         let faint = plain.only(&[("σ/h", least.into())])?.column("change of K")?;
         let [k_low, k_high] = [
-            faint.iter().copied().fold(f64::INFINITY, f64::min),
-            faint.iter().copied().fold(0.0, f64::max),
+            faint.iter().copied().fold(f64::INFINITY, smaller),
+            faint.iter().copied().fold(0.0, larger),
         ];
         let verdict = match (k_low > DISTURBED, k_high < DISTURBED) {
             (true, _) => Verdict::Refuted,
@@ -350,7 +350,7 @@ fn finest_rows(changes: &Table) -> Result<Vec<f64>> {
     let mut ratios = vec![];
     for surface in SURFACES {
         let rows = changes.only(&[("surface", surface.name().into())])?;
-        let finest = rows.column("vertices")?.into_iter().fold(0.0, f64::max);
+        let finest = rows.column("vertices")?.into_iter().fold(0.0, larger);
         for name in PLOTTED {
             let rows = rows.only(&[("estimator", name.into())])?;
             let known = rows.column("√|K| over H")?.into_iter().zip(rows.column("vertices")?);
@@ -362,8 +362,8 @@ fn finest_rows(changes: &Table) -> Result<Vec<f64>> {
 
 /// The effect visible in the plot, from the changes of √|K| over those of H.
 fn seen(ratios: &[f64]) -> String {
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = ratios.iter().copied().fold(0.0, f64::max);
+    let least = ratios.iter().copied().fold(f64::INFINITY, smaller);
+    let most = ratios.iter().copied().fold(0.0, larger);
     let range = format!("{} to {} times", brief(least), brief(most));
     match (least > 1.0, most < 1.0) {
         (true, _) => {
@@ -388,7 +388,7 @@ fn plot(changes: &Table) -> Result<Picture> {
             ..Plot::default()
         };
         let rows = changes.only(&[("surface", surface.name().into())])?;
-        let finest = rows.column("vertices")?.into_iter().fold(0.0, f64::max);
+        let finest = rows.column("vertices")?.into_iter().fold(0.0, larger);
         for name in PLOTTED {
             let rows = rows.only(&[("estimator", name.into())])?;
             for (column, what) in [("change of H", "H"), ("change of √|K|", "√|K|")] {

@@ -7,6 +7,7 @@ use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{
     ScalarCurvature, gaussian_curvature, scaled_umbrella_mean_curvature, umbrella_mean_curvature,
 };
+use fairing_sparse::{larger, smaller};
 
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity};
@@ -227,7 +228,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
             orders.only(&[("sampling", sampling.into()), ("estimator", estimator.into())])?;
         let values = rows.column("order in RMS")?;
         let pick = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
-        Ok([pick(f64::min, f64::INFINITY), pick(f64::max, f64::NEG_INFINITY)])
+        Ok([pick(smaller, f64::INFINITY), pick(larger, f64::NEG_INFINITY)])
     };
     let [_, regular] = worst("regular", SCALED)?;
     let [_, jittered] = worst("jittered", SCALED)?;

@@ -8,6 +8,7 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::{LumpedArea, OperatorError};
 use fairing_shapes as shapes;
+use fairing_sparse::{larger, smaller};
 
 use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};
@@ -146,8 +147,8 @@ impl Experiment for CotangentCurvature {
         let errors = tables.get("analytic")?;
         let others = ratios(errors, BARYCENTRIC)?;
         let ratios: Vec<f64> = ratios(errors, COTANGENT)?.into_iter().map(|r| r.0).collect();
-        let worst = ratios.iter().copied().fold(0.0, f64::max);
-        let best = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+        let worst = ratios.iter().copied().fold(0.0, larger);
+        let best = ratios.iter().copied().fold(f64::INFINITY, smaller);
         let [inside, border, uniform] = on_planes(tables.get("planes")?)?;
         let [mean, largest_order] = jittered_orders(tables.get("orders")?)?;
         let converges = mean > CONVERGES;
@@ -193,7 +194,7 @@ impl Experiment for CotangentCurvature {
             ))
             .shown(Shown::view("q3", "torus-view", &ViewState::at(&[]).field("error of mean curvature")))
             .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
-            .number("the same with barycentric areas", others.iter().map(|r| r.0).fold(0.0, f64::max), Unit::One)
+            .number("the same with barycentric areas", others.iter().map(|r| r.0).fold(0.0, larger), Unit::One)
             .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
             .number("cotangent inside planes", inside, Unit::One)
             .number("uniform inside planes", uniform, Unit::One)
@@ -208,7 +209,7 @@ fn jittered_orders(orders: &Table) -> Result<[f64; 2]> {
     let jittered = orders
         .only(&[("sampling", Sampling::Jittered.name().into()), ("estimator", COTANGENT.into())])?;
     let highest = |column: &str| -> Result<f64> {
-        Ok(jittered.column(column)?.into_iter().fold(f64::NEG_INFINITY, f64::max))
+        Ok(jittered.column(column)?.into_iter().fold(f64::NEG_INFINITY, larger))
     };
     Ok([highest("order in RMS")?, highest("order of the largest")?])
 }
@@ -260,7 +261,7 @@ fn with_barycentric(ratios: &[(f64, String)]) -> String {
 fn on_planes(planes: &Table) -> Result<[f64; 3]> {
     let largest = |operator: &str, column: &str| -> Result<f64> {
         let rows = planes.only(&[("operator", operator.into())])?;
-        Ok(rows.column(column)?.into_iter().fold(0.0, f64::max))
+        Ok(rows.column(column)?.into_iter().fold(0.0, larger))
     };
     Ok([
         largest(COTANGENT, "inside")?,
@@ -490,7 +491,7 @@ fn planes(context: &Context<'_>) -> Result<Table> {
             let norms = mean.norms();
             let largest = |values: &[f64], keep: &dyn Fn(bool) -> bool| -> Cell {
                 let kept = values.iter().zip(&mean.boundary).filter(|(_, b)| keep(**b));
-                let found = h * kept.fold(0.0, |a: f64, (x, _)| a.max(x.abs()));
+                let found = h * kept.fold(0.0, |a, (x, _)| larger(a, x.abs()));
                 // Rounding differs between machines; zero does not.
                 Cell::from(if found < ZERO { 0.0 } else { found })
             };

@@ -9,6 +9,7 @@ use fairing_figure::Series;
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
+use fairing_sparse::{larger, smaller};
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
 use ndarray::ArrayView2;
 
@@ -138,8 +139,8 @@ fn reconstruction(tables: Tables<'_>) -> Result<Judgement> {
             "It does; how much the first modes help depends on the shape: from {} to {} modes the error falls by {:.0} to {:.0} %.",
             ks[0],
             ks[1],
-            steps.iter().copied().fold(f64::INFINITY, f64::min),
-            steps.iter().copied().fold(0.0, f64::max),
+            steps.iter().copied().fold(f64::INFINITY, smaller),
+            steps.iter().copied().fold(0.0, larger),
         ))
         .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
         .number(&format!("the error falls from {} to {} modes by", ks[0], ks[1]), steps[0], Unit::Percent)
@@ -182,8 +183,8 @@ fn orders(tables: Tables<'_>, sampling: Sampling) -> Result<[f64; 2]> {
         let rows = tables.get(surface)?.only(&[("sampling", sampling.name().into())])?;
         orders.extend(rows.numbers("order")?);
     }
-    let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
-    Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
+    let least = orders.iter().copied().fold(f64::INFINITY, smaller);
+    Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, larger)])
 }
 
 /// Words for an error that falls with every step.
@@ -335,7 +336,7 @@ impl<'a> Rebuilt<'a> {
         for &k in &self.stops {
             let lambda = modes.values[k - 1];
             let law = 4.0 * std::f64::consts::PI * (k - 1) as f64 / modes.area();
-            let worst = modes.residuals[..k].iter().fold(0.0, |m: f64, r| m.max(*r));
+            let worst = modes.residuals[..k].iter().fold(0.0, |m, r| larger(m, *r));
             table.push(row![self.name, k, lambda, lambda / law, worst / lambda]);
         }
     }

@@ -4,6 +4,7 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
+use fairing_sparse::{larger, smaller};
 use rayon::prelude::*;
 
 use super::models::{self, CREASES, Model};
@@ -179,8 +180,8 @@ fn no_best(is_claimed: bool, swept: &Favourites) -> String {
 
 /// The least and the greatest number.
 fn extremes(values: &[f64]) -> [f64; 2] {
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    [least, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+    let least = values.iter().copied().fold(f64::INFINITY, smaller);
+    [least, values.iter().copied().fold(f64::NEG_INFINITY, larger)]
 }
 
 /// The effect of the largest step, in words.

@@ -7,6 +7,7 @@ use fairing_evaluation::vertex_displacement;
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
+use fairing_sparse::larger;
 use glam::DVec3;
 
 use super::models::Model;
@@ -141,7 +142,7 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     };
     // Without a step nothing grows or shrinks.
     let growths = flows.column("lambda")?.into_iter().zip(flows.column("growth")?);
-    let growth = growths.filter(|(lambda, _)| *lambda > 0.0).map(|(_, g)| g).fold(0.0, f64::max);
+    let growth = growths.filter(|(lambda, _)| *lambda > 0.0).map(|(_, g)| g).fold(0.0, larger);
     let stable = growth <= 1.0 + ROUNDING;
     let inside = of("patch", MOVED, "displacement inside")?;
     let border = of("patch", MOVED, "displacement of the border")?;

@@ -4,6 +4,7 @@ use anyhow::{Context as _, Result};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series, Shape};
 use fairing_mesh::TriMesh;
 use fairing_operators::{LumpedArea, lumped_mass};
+use fairing_sparse::{larger, smaller};
 
 use super::gallery::plotted;
 use super::surfaces::{Sampling, TestSurface};
@@ -43,7 +44,7 @@ impl Deviation {
         let size: f64 = exact.iter().zip(mass).map(|(x, m)| m * x * x).sum();
         let gaps = || estimates.iter().zip(exact).map(|(x, y)| x - y);
         let square: f64 = gaps().zip(mass).map(|(d, m)| m * d * d).sum();
-        let largest = gaps().fold(0.0, |a: f64, d| a.max(d.abs()));
+        let largest = gaps().fold(0.0, |a, d| larger(a, d.abs()));
         Self { rms: (square / size).sqrt(), max: largest / (size / total).sqrt() }
     }
 }
@@ -187,11 +188,11 @@ pub(super) fn second_order(errors: &[Series]) -> Option<Series> {
         };
         errors.iter().flat_map(of)
     };
-    let finest = points().map(|[h, _]| h).reduce(f64::min)?;
-    let coarsest = points().map(|[h, _]| h).reduce(f64::max)?;
+    let finest = points().map(|[h, _]| h).reduce(smaller)?;
+    let coarsest = points().map(|[h, _]| h).reduce(larger)?;
     // Jittered meshes have slightly longer edges.
     let first = points().filter(|[h, _]| *h > 0.9 * coarsest);
-    let error = first.map(|[_, error]| error).reduce(f64::max)?;
+    let error = first.map(|[_, error]| error).reduce(larger)?;
     Some(Series::slope("second order", 2.0, [coarsest, error], [finest, coarsest]))
 }
 

@@ -2,6 +2,7 @@
 //! says nothing that its picture does not show.
 
 use fairing_operators::curvature::ScalarCurvature;
+use fairing_sparse::larger;
 
 use super::gallery::FLAT;
 use crate::table::brief;
@@ -35,7 +36,7 @@ fn values(field: &ScalarCurvature, with_boundary: bool) -> Vec<f64> {
 
 /// The largest size, and the number of values that are zero beside it.
 fn zeros(values: &[f64]) -> usize {
-    let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let largest = values.iter().fold(0.0, |most, x| larger(most, x.abs()));
     let bound = (ZERO * largest).max(FLAT * ZERO);
     values.iter().filter(|x| x.abs() <= bound).count()
 }

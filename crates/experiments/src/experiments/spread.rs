@@ -1,8 +1,8 @@
 //! Spread of the values of a field over a mesh.
 
 use fairing_operators::curvature::ScalarCurvature;
+use fairing_sparse::median;
 
-use super::statistics::median;
 use crate::table::{Cell, Table, Unit};
 
 /// A table of [`push`]ed rows.

@@ -15,7 +15,7 @@ use anyhow::Result;
 use fairing_evaluation::observed_orders;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
-use fairing_sparse::{EigenOptions, Mass, SparseMatrix, smallest_eigenpairs};
+use fairing_sparse::{EigenOptions, Mass, SparseMatrix, larger, smallest_eigenpairs};
 use fairing_spectral::{SpectrumOptions, spectrum};
 
 use super::surfaces::{JITTER, Sampling};
@@ -114,7 +114,7 @@ pub(super) fn table(context: &Context<'_>, levels: u32) -> Result<Table> {
                     .values;
             let errors = values.iter().zip(&exact).skip(1).map(|(a, b)| (a / b - 1.0).abs());
             h.push(mesh.mean_edge_length());
-            error.push(errors.fold(0.0, f64::max));
+            error.push(errors.fold(0.0, larger));
             first.push(values[1]);
         }
         let orders = observed_orders(&h, &error);

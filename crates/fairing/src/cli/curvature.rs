@@ -9,6 +9,7 @@ use fairing::mesh::io::VertexFields;
 use fairing::operators::curvature::{CurvatureField, Estimator, VertexStatus, laplacian_curvature};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
 use fairing::parameters::Algorithm;
+use fairing::sparse::median;
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -212,12 +213,6 @@ fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     Some([*sorted.first()?, median(&sorted)?, *sorted.last()?])
 }
 
-/// The median of ascending values.
-fn median(sorted: &[f64]) -> Option<f64> {
-    let n = sorted.len();
-    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
-}
-
 fn summary(field: &CurvatureField) -> Value {
     let entries = columns(field).into_iter().map(|(name, values)| {
         let spread = spread(field, values)
@@ -250,16 +245,4 @@ fn with_curvature(
         );
     }
     fields
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_of_an_even_number_lies_between() {
-        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
-        assert_eq!(median(&[1.0, 2.0, 9.0]), Some(2.0));
-        assert_eq!((median(&[7.0]), median(&[])), (Some(7.0), None));
-    }
 }

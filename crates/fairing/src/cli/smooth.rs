@@ -6,6 +6,7 @@ use std::path::Path;
 use clap::Args;
 use fairing::parameters::{self, Algorithm};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
+use fairing::sparse::larger;
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -231,7 +232,7 @@ impl Smooth {
             .iter()
             .zip(after.positions())
             .map(|(&p, &q)| DVec3::from(p).distance(q.into()))
-            .fold(0.0, f64::max);
+            .fold(0.0, larger);
         if self.summary.is_wanted() {
             let mut summary = json(method, report, [volume, area], farthest);
             surface.add_to(&mut summary);

@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
 use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
+use fairing::sparse::larger;
 use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
 use serde_json::{Value, json};
 
@@ -95,7 +96,7 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
     else {
         return;
     };
-    let worst = modes.residuals.iter().fold(0.0, |m: f64, r| m.max(*r));
+    let worst = modes.residuals.iter().fold(0.0, |m, r| larger(m, *r));
     let bound = match worst <= fraction * largest {
         true => {
             format!("all are within {fraction:e} of the largest eigenvalue, {}", number(largest))

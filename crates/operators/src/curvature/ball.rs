@@ -3,6 +3,9 @@
 use fairing_mesh::{Topology, TriMesh};
 use glam::DVec3;
 
+use super::neighborhood::Length;
+use crate::error::OperatorError;
+
 /// The part of the segment `ab` inside the ball about the origin, as the
 /// parameters from 0 at a to 1 at b between which it lies; empty, with equal
 /// ends, where the segment stays outside.
@@ -104,6 +107,22 @@ impl FaceInBall {
 }
 
 impl BallExplorer {
+    /// The radius of the ball about each vertex.
+    ///
+    /// # Errors
+    ///
+    /// As [`Length::at_vertices`] and [`Length::refuse_crowded`].
+    pub(crate) fn radii(mesh: &TriMesh, radius: Length) -> Result<Vec<f64>, OperatorError> {
+        let radii = radius.at_vertices(mesh)?;
+        let mut explorer = Self::default();
+        radius.refuse_crowded(mesh, |v| {
+            let mut faces = 0;
+            explorer.visit(mesh, mesh.topology(), v, radii[v as usize], |_| faces += 1);
+            faces
+        })?;
+        Ok(radii)
+    }
+
     /// Visits the faces that the ball meets and that are connected to the
     /// vertex by edges with a part inside it.
     pub(crate) fn visit(

@@ -154,7 +154,7 @@ pub fn corrected_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField, OperatorError> {
-    let radii = options.radius.map(|r| r.at_vertices(mesh)).transpose()?;
+    let radii = options.radius.map(|radius| BallExplorer::radii(mesh, radius)).transpose()?;
     let normals = weighted_vertex_normals(mesh, options.normals);
     let topology = mesh.topology();
     let of_face = |f: usize| {

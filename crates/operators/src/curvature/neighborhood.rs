@@ -57,6 +57,52 @@ impl Length {
     }
 }
 
+/// Vertices whose balls are examined beforehand.
+const SAMPLES: usize = 256;
+
+/// The most elements of a ball, on average, over those of a regular mesh of the same mean edge.
+const MAX_CROWDING: f64 = 20.0;
+
+/// The elements of all balls that are never too many: a second of work.
+const FEW: f64 = (1 << 24) as f64;
+
+impl Length {
+    /// Refuses balls that hold far more elements than their radius in edges suggests, as where
+    /// faces are long and thin: n balls of n elements each would take hours. `size` counts the
+    /// elements of the ball about a vertex; a few balls stand for all.
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::Crowded`].
+    pub(crate) fn refuse_crowded(
+        self,
+        mesh: &TriMesh,
+        mut size: impl FnMut(u32) -> usize,
+    ) -> Result<(), OperatorError> {
+        let count = mesh.vertex_count();
+        if count as f64 * mesh.face_count() as f64 <= FEW {
+            return Ok(());
+        }
+        let edges = match self {
+            Self::MeshUnits(value) => value / mesh.mean_edge_length(),
+            Self::MeanEdges(edges) => edges,
+        };
+        let sampled = (0..count as u32).step_by(count.div_ceil(SAMPLES));
+        let sizes: Vec<(usize, u32)> = sampled.map(|v| (size(v), v)).collect();
+        let mean = sizes.iter().map(|s| s.0).sum::<usize>() as f64 / sizes.len() as f64;
+        // The disc of this radius over a face of a regular mesh, and the first ring.
+        let regular = 6.0 + 7.3 * edges * edges;
+        match sizes.iter().max_by_key(|s| s.0) {
+            Some(&(elements, vertex))
+                if mean > MAX_CROWDING * regular && mean * count as f64 > FEW =>
+            {
+                Err(OperatorError::Crowded { vertex, elements, edges })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// A length of parameters is in mean edge lengths.
 impl Field for Length {
     fn parameters(&self, field: Parameter) -> Vec<Parameter> {
@@ -219,7 +265,15 @@ impl Neighborhood {
     pub(crate) fn reach(self, mesh: &TriMesh) -> Result<Reach, OperatorError> {
         Ok(match self {
             Self::Rings(count) => Reach::Rings(count),
-            Self::Ball(radius) => Reach::Radii(radius.at_vertices(mesh)?),
+            Self::Ball(radius) => {
+                let reach = Reach::Radii(radius.at_vertices(mesh)?);
+                let mut explorer = Explorer::default();
+                radius.refuse_crowded(mesh, |v| {
+                    explorer.explore(mesh, mesh.topology(), v, &reach, 0);
+                    explorer.found.len()
+                })?;
+                reach
+            }
         })
     }
 }
@@ -280,6 +334,34 @@ mod tests {
         assert_eq!(explorer.found, [0, 8, 9, 10, 11, 12]);
         explorer.explore(&fan, fan.topology(), 0, &Reach::Rings(2), 0);
         assert_eq!(explorer.found.len(), 301);
+    }
+
+    /// Each vertex of a disc with a hub has all faces in its ball, and each of a long thin strip a
+    /// large part: n balls of n elements are refused, smaller ones estimated.
+    #[test]
+    fn crowded_balls_are_refused() {
+        use crate::curvature::Estimator;
+        let n = 12_000u32;
+        let rim = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+            [angle.cos(), angle.sin(), 0.0]
+        };
+        let positions = std::iter::once([0.0; 3]).chain((0..n).map(rim)).collect();
+        let faces = (0..n).map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
+        let disc = TriMesh::new(positions, faces).unwrap();
+        for name in ["normal-cycle", "corrected-ball", "jet3", "quadric"] {
+            let estimate = |radius| {
+                let estimator = Estimator::with(name, &[("radius", radius)]).unwrap();
+                estimator.estimate(&disc)
+            };
+            let refused = estimate("2").unwrap_err();
+            let whole = |elements: usize| elements + 1 >= n as usize;
+            assert!(
+                matches!(refused, OperatorError::Crowded { elements, .. } if whole(elements)),
+                "{name}: {refused}"
+            );
+            assert!(estimate("0.02").is_ok(), "{name}");
+        }
     }
 
     /// A second component a thousand times larger leaves the lengths of the first.

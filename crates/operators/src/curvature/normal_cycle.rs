@@ -58,7 +58,7 @@ pub fn normal_cycle_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureField, OperatorError> {
-    let radii = options.radius.at_vertices(mesh)?;
+    let radii = BallExplorer::radii(mesh, options.radius)?;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let areas: Vec<f64> = (0..mesh.face_count())

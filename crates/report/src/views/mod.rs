@@ -133,8 +133,9 @@ fn check(panel: &Panel, stops: usize) -> Result<()> {
         let k = modes.vectors.len();
         let counts = [modes.values.len(), modes.coefficients.len()];
         ensure!(counts == [k; 2], "{k} modes with {counts:?} eigenvalues and coefficients");
-        let whole = modes.vectors.iter().all(|vector| vector.len() == count);
-        ensure!(whole, "a mode has no value for each of {count} vertices");
+        let whole = |mode: &Vec<f64>| mode.len() == count && mode.iter().all(|x| x.is_finite());
+        let all = modes.vectors.iter().all(whole);
+        ensure!(all, "a mode has no finite value for each of {count} vertices");
     }
     if let Some(input) = &panel.live {
         ensure!(input.len() == count, "the live input has {} of {count} vertices", input.len());

@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 
 use fairing_sparse::parallel::{CHUNK, sum, update, update_both};
-use fairing_sparse::{CgSystem, CgWorkspace, GraphLaplacian, Padded, descend};
+use fairing_sparse::{CgSystem, CgWorkspace, GraphLaplacian, Padded, descend, larger};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::parts::{Gauge, Parts, larger, reciprocal};
+use crate::engine::parts::{Gauge, Parts, reciprocal};
 
 type Point = [f64; 3];
 

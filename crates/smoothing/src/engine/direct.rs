@@ -2,12 +2,13 @@
 
 use fairing_sparse::{
     Cholesky, GraphLaplacian, Ordering, SparseError, SparseMatrix, SymbolicCholesky, Workload,
+    larger,
 };
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::parts::{Gauge, Parts, larger};
+use crate::engine::parts::{Gauge, Parts};
 
 type Point = [f64; 3];
 

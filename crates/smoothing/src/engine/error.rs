@@ -151,6 +151,16 @@ pub enum FlowFailure {
         /// The vertex with the largest residual.
         vertex: u32,
     },
+    /// One vertex is the neighbour of so many vertices of a region that its matrix would be dense.
+    #[error(
+        "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: choose fewer, or order 1"
+    )]
+    Hub {
+        /// The vertex.
+        vertex: u32,
+        /// Its neighbours in the region, itself included if it is one of them.
+        neighbors: usize,
+    },
     /// A linear system could not be factored.
     #[error("the linear system cannot be factored")]
     NotFactored(#[source] SparseError),

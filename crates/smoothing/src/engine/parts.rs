@@ -6,6 +6,7 @@
 //! measured for each coordinate of each part relative to its own right-hand side, but not below the
 //! level of rounding.
 
+use fairing_sparse::larger;
 use fairing_sparse::parallel::CHUNK;
 use fairing_sparse::{GraphLaplacian, Padded};
 use rayon::prelude::*;
@@ -228,7 +229,7 @@ impl<'a> Gauge<'a> {
         let (mut measure, mut report) = (Vec::new(), Vec::new());
         for (&[a, b, c, square], reach) in sides.iter().zip(reach) {
             let side = together([a, b, c], |a, b| a + b).map(f64::sqrt);
-            let reach = together(*reach, f64::max);
+            let reach = together(*reach, larger);
             let floor = reach.map(|r| ROUNDING * f64::EPSILON * square.sqrt() * r);
             measure.push([0, 1, 2].map(|k| reciprocal(side[k].max(floor[k] / tolerance))));
             report.push([0, 1, 2].map(|k| reciprocal(side[k].max(NOISE * floor[k]))));
@@ -267,12 +268,6 @@ impl<'a> Gauge<'a> {
 /// `1/x`; zero for zero.
 pub(crate) fn reciprocal(x: f64) -> f64 {
     if x > 0.0 { 1.0 / x } else { 0.0 }
-}
-
-/// The larger of two numbers; NaN if either is NaN.
-#[inline(always)]
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{OperatorError, check_faces};
+use fairing_sparse::larger;
 use glam::DVec3;
 
 use crate::engine::arrangement::Arrangement;
@@ -48,7 +49,7 @@ pub(crate) struct StepNote {
 
 /// Returns true if a mesh with the initial diagonal `size` has shrunk to a point up to rounding.
 fn is_point(mesh: &TriMesh, size: f64) -> bool {
-    let largest = |p: [f64; 3]| p.iter().fold(size, |largest, x| largest.max(x.abs()));
+    let largest = |p: [f64; 3]| p.iter().fold(size, |largest, x| larger(largest, x.abs()));
     let limit = |p: [f64; 3]| 4.0 * f64::EPSILON * largest(p);
     // For most meshes the distance of two corners decides.
     let Some(&[a, b, _]) = mesh.faces().first() else { return false };
@@ -272,7 +273,7 @@ impl Step<'_> {
     pub fn largest_displacement(&self) -> f64 {
         let pairs = self.before.iter().zip(self.positions());
         let squares = pairs.map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()));
-        squares.fold(0.0, f64::max).sqrt()
+        squares.fold(0.0, larger).sqrt()
     }
 
     /// The largest relative residual of the linear systems of this step; `None` for explicit steps.

@@ -3,9 +3,7 @@
 use fairing_mesh::{RepairError, RepairOptions, Repaired, TriMesh, repair_with};
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 use fairing_parameters::Options;
-use fairing_sparse::{
-    Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
-};
+use fairing_sparse::{Cholesky, LaplacianPower, SparseMatrix, larger};
 
 use crate::engine::assemble::operators;
 use crate::engine::diffusion::{
@@ -13,7 +11,6 @@ use crate::engine::diffusion::{
 };
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
-use crate::engine::parts::larger;
 use crate::engine::run::refuse_unwelded;
 
 fairing_parameters::options! {
@@ -64,7 +61,8 @@ impl FairRegion {
 /// [`FlowError`] if the order is out of range, if a vertex does not exist, if a face is too thin
 /// for cotangents, or if the region contains a whole component, whose position is then
 /// undetermined; [`FlowFailure::NotConverged`] if the region is too wide for the order, so that the
-/// factor has no correct digits.
+/// factor has no correct digits; [`FlowFailure::Hub`] if thousands of its vertices have one
+/// neighbour in common, so that the matrix would be dense.
 ///
 /// # Examples
 ///
@@ -110,11 +108,11 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<(TriMesh, Option<u32>),
         }
     };
     let (stiffness, mass) = operators(mesh, kinds)?;
+    refuse_hub(mesh, &region, options.order)?;
     let power = LaplacianPower::new(&stiffness, &mass, options.order);
-    let matrix = power.matrix();
-    let right = from_outside(&matrix, &region, mesh.positions());
-    let factor = Cholesky::new(&symmetric(&principal_submatrix(&matrix, &region)))
-        .map_err(FlowFailure::NotFactored)?;
+    let right = from_outside(&power, &region, mesh.positions());
+    let factor =
+        Cholesky::new(&symmetric(&power.principal(&region))).map_err(FlowFailure::NotFactored)?;
     let mut positions = mesh.positions().to_vec();
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
         positions[v as usize] = p;
@@ -137,15 +135,48 @@ fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
     Ok(region)
 }
 
+/// Refuses a region whose matrix would be dense: neighbours of one vertex are neighbours of each
+/// other in a power of a Laplacian.
+fn refuse_hub(mesh: &TriMesh, region: &[u32], order: u32) -> Result<(), FlowFailure> {
+    let topology = mesh.topology();
+    let mut inside = vec![0usize; mesh.vertex_count()];
+    for &v in region {
+        inside[v as usize] += 1;
+        topology.neighbors(v).iter().for_each(|&w| inside[w as usize] += 1);
+    }
+    // The products in each row of the power, repeated ones counted.
+    let mut products = inside.clone();
+    for _ in 1..order {
+        let row = |v: usize| {
+            let around: usize =
+                topology.neighbors(v as u32).iter().map(|&w| products[w as usize]).sum();
+            products[v] + around
+        };
+        products = (0..products.len()).map(row).collect();
+    }
+    let total: usize = region.iter().map(|&v| products[v as usize]).sum();
+    if total <= SLACK * 7usize.pow(order) * region.len() + FULL_ROWS * FULL_ROWS {
+        return Ok(());
+    }
+    let hub = (0..inside.len()).max_by_key(|&v| inside[v]).unwrap_or_default();
+    Err(FlowFailure::Hub { vertex: hub as u32, neighbors: inside[hub] })
+}
+
 /// The right-hand side of a region, from the positions outside.
-fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+fn from_outside(power: &LaplacianPower<'_>, region: &[u32], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut outside = x.to_vec();
     for &v in region {
         outside[v as usize] = [0.0; 3];
     }
-    let all = multiply_points(matrix, &outside);
+    let all = power.apply(&outside);
     region.iter().map(|&v| all[v as usize].map(|k| -k)).collect()
 }
+
+/// The most products in a row of the matrix of a region, over those of a regular mesh.
+const SLACK: usize = 10;
+
+/// The number of rows that may be full.
+const FULL_ROWS: usize = 4000;
 
 /// The largest number of corrections; two are the rule.
 const MAX_CORRECTIONS: usize = 20;
@@ -172,7 +203,7 @@ fn refine(
     let low = corners().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].min(p[k])));
     let high = corners().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].max(p[k])));
     let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
-    let extent = extent.fold(0.0, f64::max);
+    let extent = extent.fold(0.0, larger);
     let mut before = f64::INFINITY;
     for iterations in 1..=MAX_CORRECTIONS {
         let all = power.apply(x);
@@ -245,4 +276,32 @@ pub fn repair_fair(
         fair.map_err(|error| flat = Some(error)).ok().map(|fair| fair.mesh)
     })?;
     Ok((repaired, flat))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A few vertices at the rim of a disc with a hub: only their rows are multiplied. All of them
+    /// are neighbours of each other in the matrix, which is refused by the name of the hub.
+    #[test]
+    fn a_region_around_a_hub_is_small_or_refused() {
+        let n = 40_000u32;
+        let rim = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+            [angle.cos(), angle.sin(), 0.0]
+        };
+        let positions = std::iter::once([0.0; 3]).chain((0..n).map(rim)).collect();
+        let faces = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+        let disc = TriMesh::new(positions, faces).unwrap();
+        let region = |last: u32, order| {
+            fair_region(&disc, &FairRegion { order, ..FairRegion::new((5..last).collect()) })
+        };
+        let few = region(15, 2).unwrap();
+        assert!(few.mesh.positions().iter().all(|p| p[2].abs() < 1e-12));
+        let FlowError { failure, .. } = region(n, 2).unwrap_err();
+        let neighbors = n as usize - 5;
+        assert!(matches!(failure, FlowFailure::Hub { vertex: 0, neighbors: k } if k == neighbors));
+        assert!(region(n, 1).is_ok());
+    }
 }

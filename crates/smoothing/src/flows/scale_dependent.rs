@@ -2,7 +2,7 @@
 
 use fairing_mesh::{Components, TriMesh};
 use fairing_parameters::{Options, Range};
-use fairing_sparse::GraphLaplacian;
+use fairing_sparse::{GraphLaplacian, larger};
 use glam::DVec3;
 
 use crate::engine::assemble::uniform;
@@ -77,7 +77,7 @@ pub fn scale_dependent(
         let x = mesh.positions();
         let rates = largest_rates(&laplacian, components, x)?;
         let step_at = |rate: f64| if rate > 0.0 { fraction / rate } else { 0.0 };
-        let largest = rates.iter().copied().fold(0.0, f64::max);
+        let largest = rates.iter().copied().fold(0.0, larger);
         laplacian.visit(next, |i, neighbors, next| {
             let mut sum = [0.0; 3];
             let mut around = 0.0;
@@ -127,7 +127,7 @@ fn largest_rates(
         }
         if let Some(component) = components.label(i as u32).filter(|_| around > 0.0) {
             let largest = &mut largest[component as usize];
-            *largest = largest.max(2.0 / around * inverse);
+            *largest = larger(*largest, 2.0 / around * inverse);
         }
     }
     Ok(largest)

@@ -20,6 +20,7 @@ use faer::{Accum, ColMut, MatMut, MatRef, Par, Side};
 
 use crate::direct::supernodes::Supernodes;
 use crate::matrix::Rows;
+use crate::order::larger;
 
 const SIDE: Side = Side::Lower;
 const SEQUENTIAL: Par = Par::Seq;
@@ -169,7 +170,7 @@ pub(crate) fn symmetric_eigen(
     n: usize,
     matrix: &[f64],
 ) -> Result<(Vec<f64>, Vec<f64>), NoConvergence> {
-    let largest = matrix.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let largest = matrix.iter().fold(0.0, |m, v| larger(m, v.abs()));
     if !largest.is_finite() {
         return Err(NoConvergence);
     }
@@ -194,4 +195,18 @@ pub(crate) fn symmetric_eigen(
     .map_err(|_| NoConvergence)?;
     values.iter_mut().for_each(|v| *v *= unit);
     Ok((values, vectors))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_with_nan_has_no_eigenvalues() {
+        for place in 0..4 {
+            let mut matrix = [2.0, 1.0, 1.0, 2.0];
+            matrix[place] = f64::NAN;
+            assert_eq!(symmetric_eigen(2, &matrix), Err(NoConvergence), "{place}");
+        }
+    }
 }

@@ -13,6 +13,7 @@ use crate::direct::ordering::{self, Ordering};
 use crate::direct::symmetry;
 use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
+use crate::order::larger;
 
 /// A symbolic factorisation: the ordering of a matrix and the pattern of its factor, independent of
 /// its values.
@@ -125,7 +126,7 @@ impl SymbolicCholesky {
         self.check_pattern(matrix)?;
         let (rows, nodes) = (Rows::new(matrix), &self.analysis.nodes);
         let diagonal = rows.diagonal();
-        let largest = diagonal.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        let largest = diagonal.iter().fold(0.0, |m, d| larger(m, d.abs()));
         let exponent = if largest > 0.0 { HEADROOM - libm::log2(largest) as i32 } else { 0 };
         let scale = 2f64.powi(exponent.clamp(-1000, 1000));
         let mut values = vec![0.0; nodes.value_count()];
@@ -181,7 +182,7 @@ impl SymbolicCholesky {
             return Err(SparseError::Singular { row, pivot, diagonal: rows.diagonal()[row] });
         }
         let largest: Vec<f64> = (0..rows.count())
-            .map(|i| rows.row(i).1.iter().fold(0.0, |m: f64, v| m.max(v.abs())))
+            .map(|i| rows.row(i).1.iter().fold(0.0, |m, v| larger(m, v.abs())))
             .collect();
         let analysis = Arc::clone(&self.analysis);
         Ok(Ldlt::new(Factor { analysis, values }, &largest))

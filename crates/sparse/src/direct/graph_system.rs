@@ -7,6 +7,7 @@ use crate::double;
 use crate::error::SparseError;
 use crate::graph_laplacian::GraphLaplacian;
 use crate::matrix::{Rows, SparseMatrix, principal_submatrix};
+use crate::order::larger;
 
 /// Systems whose weights are at most this many times D need no correction: rounding of the diagonal
 /// is below 10⁻¹³ of D.
@@ -228,7 +229,7 @@ impl GraphSystem {
         }
         let lost = |size: f64| SparseError::IllConditioned { condition: 2.0 * size };
         let z = self.refined(&right, vec![[0.0]; n]).map_err(lost)?;
-        self.inverse = z.iter().fold(1.0, |m: f64, [z]| m.max(z.abs()));
+        self.inverse = z.iter().fold(1.0, |m, [z]| larger(m, z.abs()));
         Ok(())
     }
 
@@ -427,11 +428,6 @@ fn sums(part: &[u32], parts: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
         *slot = double::sum(*slot, (value(v), 0.0));
     }
     sums.iter().map(|(high, low)| high + low).collect()
-}
-
-/// The larger of two numbers; NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]

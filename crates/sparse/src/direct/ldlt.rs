@@ -3,6 +3,7 @@
 use ndarray::ArrayViewMut2;
 
 use crate::direct::factor::Factor;
+use crate::order::larger;
 
 /// The numbers of negative, zero and positive eigenvalues of a symmetric matrix.
 ///
@@ -48,7 +49,7 @@ impl Ldlt {
             .iter()
             .zip(&analysis.order)
             .map(|(sum, &row)| sum / largest[row as usize])
-            .fold(1.0, f64::max);
+            .fold(1.0, larger);
         Self { growth, factor, inertia }
     }
 

@@ -18,6 +18,7 @@ use crate::eigen::{nullspace, solve};
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{self, Rows, SparseMatrix};
+use crate::order::smaller;
 
 /// Relative distance of the count above the last value of the merge: large enough for a reliable
 /// count, small enough that few extra pairs are computed.
@@ -198,7 +199,7 @@ fn smallest(
 /// The first `count` pairs of all parts, ascending, in the caller's rows.
 fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
     let mut merged = merge(parts, usize::MAX);
-    let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, f64::min);
+    let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, smaller);
     // Pairs known by value only come after all wanted pairs.
     let following = merged.split_off(count.min(merged.len()));
     let mut vectors = Array2::zeros((rows, merged.len()));

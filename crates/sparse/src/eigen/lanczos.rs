@@ -22,6 +22,7 @@ use crate::eigen::basis::{self, Block, Small};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, Ritz, ZERO};
+use crate::order::larger;
 
 /// A block is orthogonalised once more if a pass removed more than this fraction of it.
 const ANOTHER_PASS: f64 = 1e-2;
@@ -130,7 +131,7 @@ impl<'a> Lanczos<'a> {
         }
         (0..LANES)
             .map(|j| if length[j] > 0.0 { taken[j].sqrt() / length[j] } else { 0.0 })
-            .fold(0.0, f64::max)
+            .fold(0.0, larger)
     }
 
     /// Q and R with W = Q R, Qᵀ M Q = I, by Cholesky factors of the Gram matrix, twice. Spent

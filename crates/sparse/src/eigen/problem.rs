@@ -11,6 +11,7 @@ use crate::eigen::nullspace;
 use crate::error::SparseError;
 use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
+use crate::order::larger;
 use crate::product;
 
 /// Rows per parallel task.
@@ -215,7 +216,7 @@ impl Problem {
 
     /// The largest Σ sᵢᵢ φᵢ² of the vectors in these blocks.
     pub(crate) fn strain(&self, blocks: &[Block]) -> f64 {
-        blocks.iter().flat_map(|block| self.strains(block)).fold(0.0, f64::max)
+        blocks.iter().flat_map(|block| self.strains(block)).fold(0.0, larger)
     }
 
     /// An upper bound of the strain of vectors of length 1 in M', for lumped masses; far above
@@ -224,7 +225,7 @@ impl Problem {
         let masses = self.unordered_mass.view().diagonal();
         let diagonal = Rows::new(&self.unordered_stiffness).diagonal();
         // A consistent mass is at least a quarter of its diagonal.
-        diagonal.iter().zip(masses).map(|(s, m)| 4.0 * s.abs() / m).fold(0.0, f64::max)
+        diagonal.iter().zip(masses).map(|(s, m)| 4.0 * s.abs() / m).fold(0.0, larger)
     }
 
     /// Removes the constants of all components from a block.

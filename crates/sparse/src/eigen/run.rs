@@ -14,6 +14,7 @@ use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
 use crate::eigen::{Beyond, EigenOptions, EigenPairs, SLACK};
 use crate::error::SparseError;
+use crate::order::larger;
 /// Error of a diagonal entry in ε: a sum of six terms, and as many in the elimination.
 const DIAGONAL_ROUNDINGS: f64 = 4.0;
 
@@ -104,7 +105,7 @@ impl Found {
         count: usize,
         tolerance: f64,
     ) -> usize {
-        let largest = self.lambdas[..count].iter().fold(0.0, |m: f64, l| m.max(*l));
+        let largest = self.lambdas[..count].iter().fold(0.0, |m, l| larger(m, *l));
         // [`EigenOptions::residual_limit`].
         let limit = SLACK * tolerance * largest;
         let mut above = 0;

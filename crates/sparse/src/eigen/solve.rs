@@ -13,6 +13,7 @@ use crate::eigen::{EigenOptions, EigenPairs, dense, shift, slices};
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
+use crate::order::larger;
 
 /// The `count` smallest eigenpairs of a connected problem.
 pub(crate) fn connected(
@@ -175,7 +176,7 @@ fn run_from_below(
             operator = operator.exact();
             continue;
         }
-        let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
+        let nearest = lambdas.iter().fold(0.0, |m, l| larger(m, *l));
         let distance = counted.shift - nearest;
         more.certified &= counted.is_sure(problem.strain(&vectors), distance);
         *found = more;

@@ -6,6 +6,7 @@ use fairing_figure::{
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
+use fairing_sparse::larger;
 use fairing_spectral::Spectrum;
 
 use super::super::gallery::{Coloring, Gallery, Look, Range, plotted};
@@ -77,7 +78,7 @@ pub(super) fn modes_picture(
         .filter(|&&i| i < modes.len())
         .map(|&i| {
             let mode = modes.modes.column(i);
-            let largest = mode.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
+            let largest = mode.iter().fold(f64::MIN_POSITIVE, |m, x| larger(m, x.abs()));
             let n = mesh.vertex_count();
             let field = ScalarCurvature::new(
                 mode.iter().map(|x| x / largest).collect(),

@@ -4,6 +4,7 @@ use anyhow::{Context as _, Result};
 use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
+use fairing_sparse::{larger, smaller};
 
 use super::methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
 use crate::experiment::Context;
@@ -75,7 +76,7 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             let level = NoiseLevel::Model(sigma);
             let trials = body.trials(level, context.seed("resolution"), &methods)?;
             let error = |t: &Trials| t.angle.error(seeds).unwrap_or(0.0);
-            let error = trials.iter().map(error).fold(0.0, f64::max);
+            let error = trials.iter().map(error).fold(0.0, larger);
             let size = body.truth.diagonal() / h;
             let mut row = row![n, h, sigma, sigma / h, size, seeds].to_vec();
             row.extend(trials.iter().map(|t| Cell::from(t.angle.mean)));
@@ -129,7 +130,7 @@ impl Level {
             .filter(|m| *m != Method::Nothing && !Method::FLOWS.contains(m) && !m.is_trained());
         // Some are not run at high noise.
         let others =
-            others.filter_map(|m| value(m, "normal error").ok()).fold(f64::INFINITY, f64::min);
+            others.filter_map(|m| value(m, "normal error").ok()).fold(f64::INFINITY, smaller);
         Ok(Self { share: rows.column("σ/h")?[0], flows, kept, others })
     }
 }
@@ -241,12 +242,12 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     };
     let h = resolution.column("h")?;
     let (coarse, fine) =
-        (h.iter().copied().fold(0.0, f64::max), h.iter().copied().fold(f64::INFINITY, f64::min));
+        (h.iter().copied().fold(0.0, larger), h.iter().copied().fold(f64::INFINITY, smaller));
     let each =
         |value: &dyn Fn(&Level) -> String| joined(&levels.iter().map(value).collect::<Vec<_>>());
     let spread = |l: &Level| {
-        let least = l.flows.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = l.flows.iter().copied().fold(0.0, f64::max);
+        let least = l.flows.iter().copied().fold(f64::INFINITY, smaller);
+        let most = l.flows.iter().copied().fold(0.0, larger);
         format!("{} to {}°", brief(least), brief(most))
     };
     let counts = features_count(coarse_and_best(resolution)?);
@@ -286,8 +287,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
 /// Adds the least and the largest normal error of the flows at each level.
 fn with_errors(mut judgement: Judgement, levels: &[Level]) -> Result<Judgement> {
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
-        let least = level.flows.iter().copied().reduce(f64::min).context("no flows")?;
-        let most = level.flows.iter().copied().reduce(f64::max).context("no flows")?;
+        let least = level.flows.iter().copied().reduce(smaller).context("no flows")?;
+        let most = level.flows.iter().copied().reduce(larger).context("no flows")?;
         judgement = judgement
             .number(
                 &format!("least normal error of the four flows at σ = {sigma}"),
