@@ -20,7 +20,7 @@ const CLIP: f64 = 3.0;
 
 /// The correlation of residuals across edges from which they are shape, not noise. That of
 /// independent noise is negative, because each residual is in the fits of its neighbours.
-const SHAPE: f64 = 0.2;
+const SHAPE: f64 = 0.15;
 
 /// The fraction of the surface on which residuals have to be independent for their level there to
 /// be that of the whole.
