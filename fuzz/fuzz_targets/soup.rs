@@ -6,7 +6,7 @@ use fairing_evaluation::{
     NoiseKind, NoiseLevel, ScanOptions, ScoreOptions, Scores, SurfaceTree, add_noise, hausdorff,
     scan, self_intersections,
 };
-use fairing_mesh::{Diagnosis, RepairOptions, RepairStep, TriMesh, repair, subdivide_loop};
+use fairing_mesh::{Diagnosis, RepairOptions, Tolerance, TriMesh, repair, subdivide_loop};
 use fairing_operators::curvature::Estimator;
 use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, NormalWeight, gradient, weighted_vertex_normals,
@@ -80,7 +80,7 @@ fn mend(mesh: &TriMesh, choice: usize) {
     let bit = |k: usize| choice >> k & 1 == 1;
     let options = RepairOptions {
         merge: !bit(0),
-        tolerance: if bit(1) { 0.1 } else { 0.0 },
+        tolerance: if bit(1) { Tolerance::EdgeLengths(0.1) } else { Tolerance::Rounding },
         orient: !bit(2),
         split: !bit(3),
         smallest_component: if bit(4) { 3 } else { 0 },
@@ -94,12 +94,13 @@ fn mend(mesh: &TriMesh, choice: usize) {
     assert_eq!(first.vertex_sources.len(), first.mesh.vertex_count());
     assert_eq!(first.face_sources.len(), first.mesh.face_count());
     // Merging within the same distance again.
-    let mean = first.mesh.mean_edge_length();
-    let ratio = if mean > 0.0 { mesh.mean_edge_length() / mean } else { 1.0 };
-    let options = RepairOptions { tolerance: (options.tolerance * ratio).min(1.0), ..options };
+    let tolerance = match options.tolerance {
+        Tolerance::EdgeLengths(ratio) => Tolerance::Model(ratio * mesh.mean_edge_length()),
+        other => other,
+    };
+    let options = RepairOptions { tolerance, ..options };
     let again = repair(&first.mesh, &options).expect("options in their ranges");
-    let changed: Vec<_> = (again.changes.iter()).filter(|c| c.0 != RepairStep::OpenHoles).collect();
-    assert!(changed.is_empty(), "not idempotent: {changed:?}");
+    assert!(again.is_unchanged(), "not idempotent: {:?}", again.changes);
 }
 
 fn smooth(mesh: &TriMesh, choice: usize) {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -76,9 +76,11 @@ class Parts(Base):
         self,
         *,
         merge: bool = True,
-        tolerance: float = 0.0,
+        tolerance: float | None = None,
+        unit: Literal["edge", "model", "diagonal"] = "edge",
         duplicates: bool = True,
         orient: bool = True,
+        cavities: bool = False,
         split: bool = True,
         smallest_component: int = 0,
         thin: float = 0.0,
@@ -87,28 +89,37 @@ class Parts(Base):
         threads: int | None = None,
         progress: Progress = None,
     ) -> Self:
-        """Mends a mesh; by default without moving anything.
+        """Mends a mesh; by default without moving anything by more than rounding.
 
         Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
         separates sheets that touch, and on request removes small components and thin faces and
         fills holes. The order of what stays is kept. A second repair changes nothing, but for a
-        tolerance, which is then longer: the mean edge grows as short edges go.
+        tolerance in mean edges, which is then longer: the mean edge grows as short edges go.
 
         Parameters
         ----------
         merge : bool
-            Merge vertices at one position, and drop faces that lose a corner by it.
-        tolerance : float
-            The distance up to which vertices are merged, in mean edge lengths of this mesh, from 0
-            (exactly equal positions) to 1. A vertex moves to the first one within the distance that
-            stays.
+            Merge vertices at one place, and drop faces that lose a corner by it.
+        tolerance : float, optional
+            The distance up to which vertices are merged, 0 for exactly equal positions. A vertex
+            moves to the first one within the distance that stays. By default four units in the last
+            place of single-precision coordinates, at boundaries, and only where no face collapses,
+            no edge gets an odd number of faces above one and no face lies on another: what a file
+            in single precision cannot tell apart. Numbers written with fewer than seven digits
+            need a tolerance.
+        unit : {'edge', 'model', 'diagonal'}
+            Of the tolerance: mean edge lengths of this mesh (from 0 to 1), mesh units, or diagonals
+            of the bounding box (from 0 to 1).
         duplicates : bool
             Drop faces with the corners of an earlier face, in any order. Both go if they are a fin
             of a closed surface, which one of them would open; both stay if they are a wall between
             two closed parts.
         orient : bool
-            Flip faces so that neighbours agree, and closed components so that their normals point
-            outwards, or inwards where they are cavities of another one.
+            Flip faces so that neighbours agree, and closed parts that are inside out and in no
+            other one, with all that they hold.
+        cavities : bool
+            Flip closed parts also within others, so that normals point outwards, or inwards where
+            an odd number of others is around: a solid within a solid becomes a cavity.
         split : bool
             Give a vertex of its own to each sheet of faces at a non-manifold edge or vertex.
         smallest_component : int
@@ -133,8 +144,13 @@ class Parts(Base):
             - `changes`: the elements of this mesh that each step changed, ascending, by the names
               `merged-vertices`, `collapsed-faces`, `duplicate-faces`, `turned-faces`,
               `split-vertices`, `small-components` (faces), `thin-faces`, `isolated-vertices`,
-              `filled-holes`, and `open-holes`, which could not be filled; a hole is named by the
-              lowest vertex of its boundary
+              `filled-holes`, `moved-vertices`, whose position changed because they were merged;
+              and those it left: `open-holes`, `nested-parts` (each named by its lowest face), closed
+              parts within others that `cavities` would flip, and `touching-vertices`, at one position
+              without a common edge. A hole is named by the lowest vertex of its boundary
+            - `open_holes`: if holes were to be filled, for each one left its lowest vertex, its
+              number of edges, and the reason: `too-large`, `lone-face` (the rim of a single face),
+              `no-patch` (each would repeat an edge) or `patch-removed` (by other steps)
             - `vertices`: for each vertex of this mesh the vertex that took its place, -1 if it was
               dropped
             - `vertex_sources`, `face_sources`: for each vertex and face of the result that of this
@@ -161,9 +177,11 @@ class Parts(Base):
         """
         steps = {
             "merge": bool(merge),
-            "tolerance": float(tolerance),
+            "tolerance": None if tolerance is None else float(tolerance),
+            "unit": unit,
             "duplicates": bool(duplicates),
             "orient": bool(orient),
+            "cavities": bool(cavities),
             "split": bool(split),
             "smallest_component": _arrays.whole(smallest_component, "smallest_component"),
             "thin": float(thin),

@@ -288,6 +288,7 @@ fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> 
     dict.set_item("inconsistent_edges", d.inconsistent_edges.count)?;
     dict.set_item("turned_faces", d.turned_faces.count)?;
     dict.set_item("seam_vertices", d.seam_vertices)?;
+    dict.set_item("rounded_vertices", d.rounded_vertices.count)?;
     dict.set_item("bounding_box", d.bounding_box)?;
     dict.set_item("area", d.area)?;
     dict.set_item("volume", d.volume)?;

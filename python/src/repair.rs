@@ -1,7 +1,7 @@
 //! Repair, and closest points.
 
 use fairing_evaluation::{SurfaceTree, inside};
-use fairing_mesh::{RepairOptions, Repaired};
+use fairing_mesh::{RepairOptions, Repaired, Tolerance};
 use fairing_smoothing::repair_fair;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -9,6 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{column, rows, triples};
 use crate::mesh::Mesh;
+use crate::options::choose;
 use crate::run::Call;
 
 /// The steps of a repair and their limits, from Python.
@@ -16,9 +17,11 @@ use crate::run::Call;
 #[pyo3(from_item_all)]
 struct Steps {
     merge: bool,
-    tolerance: f64,
+    tolerance: Option<f64>,
+    unit: String,
     duplicates: bool,
     orient: bool,
+    cavities: bool,
     split: bool,
     smallest_component: usize,
     thin: f64,
@@ -26,21 +29,29 @@ struct Steps {
     holes: usize,
 }
 
-impl From<Steps> for RepairOptions {
-    fn from(steps: Steps) -> Self {
-        let Steps { merge, tolerance, duplicates, orient, split, .. } = steps;
-        let Steps { smallest_component, thin, isolated, holes, .. } = steps;
-        Self {
+impl Steps {
+    fn options(self) -> PyResult<RepairOptions> {
+        let Self { merge, tolerance, unit, duplicates, orient, cavities, split, .. } = self;
+        let Self { smallest_component, thin, isolated, holes, .. } = self;
+        type Length = fn(f64) -> Tolerance;
+        let units: [(&str, Length); 3] = [
+            ("edge", Tolerance::EdgeLengths),
+            ("model", Tolerance::Model),
+            ("diagonal", Tolerance::Diagonals),
+        ];
+        let length = choose("unit", &unit, &units)?;
+        Ok(RepairOptions {
             merge,
-            tolerance,
+            tolerance: tolerance.map_or(Tolerance::Rounding, length),
             duplicates,
             orient,
+            cavities,
             split,
             smallest_component,
             thin,
             isolated,
             holes,
-        }
+        })
     }
 }
 
@@ -61,7 +72,7 @@ fn repair_mesh<'py>(
     steps: Steps,
     call: Call,
 ) -> PyResult<PyRepaired<'py>> {
-    let (mesh, options) = (mesh.share(), steps.into());
+    let (mesh, options) = (mesh.share(), steps.options()?);
     let (repaired, flat, nearest, corners) = call.run(py, move || {
         let (repaired, flat) = repair_fair(&mesh, &options)?;
         let nearest = repaired.nearest_sources();
@@ -70,7 +81,8 @@ fn repair_mesh<'py>(
     })?;
     let keeps_normals = !repaired.changes_normals();
     let unchanged = repaired.is_unchanged();
-    let Repaired { mesh, vertex_sources, face_sources, vertices, changes, .. } = repaired;
+    let Repaired { mesh, vertex_sources, face_sources, vertices, changes, open_holes, .. } =
+        repaired;
     let report = PyDict::new(py);
     report.set_item("unchanged", unchanged)?;
     let changed = PyDict::new(py);
@@ -78,6 +90,8 @@ fn repair_mesh<'py>(
         changed.set_item(step.name(), column(py, elements))?;
     }
     report.set_item("changes", changed)?;
+    let open = open_holes.iter().map(|hole| (hole.vertex, hole.edges, hole.reason.name()));
+    report.set_item("open_holes", open.collect::<Vec<_>>())?;
     report.set_item("vertices", numbers(py, &vertices))?;
     report.set_item("vertex_sources", numbers(py, &vertex_sources))?;
     report.set_item("face_sources", numbers(py, &face_sources))?;

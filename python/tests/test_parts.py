@@ -63,7 +63,41 @@ def test_steps_can_be_left_out(sphere: pf.Mesh) -> None:
         mesh.repair(tolerance=2)
     with pytest.raises(pf.OptionError, match="holes"):
         mesh.repair(holes=5000)
+    with pytest.raises(pf.OptionError, match="unit"):
+        mesh.repair(tolerance=0.1, unit="inch")  # type: ignore[arg-type]
     assert "normal" in sphere.with_fields(normal=sphere.vertices).repair().fields
+
+
+def test_corners_that_differ_by_rounding_are_merged(sphere: pf.Mesh) -> None:
+    corners = sphere.vertices[sphere.faces].reshape(-1, 3)
+    off = 1e-9 * np.sin(np.arange(corners.size)).reshape(-1, 3)
+    soup = pf.Mesh(corners + off, np.arange(len(corners)).reshape(-1, 3))
+    count = soup.info()["rounded_vertices"]
+    mended = soup.repair()
+    assert mended.n_vertices == sphere.n_vertices and len(mended.report["changes"]["moved-vertices"]) == count > 0
+    assert soup.repair(tolerance=0).n_vertices == soup.n_vertices
+    assert soup.repair(tolerance=1e-8, unit="model").n_vertices == sphere.n_vertices
+    assert soup.repair(tolerance=1e-10, unit="model").n_vertices > sphere.n_vertices
+
+
+def test_a_solid_within_a_solid_stays_and_is_named(sphere: pf.Mesh) -> None:
+    n, m = sphere.n_vertices, sphere.n_faces
+    faces = np.vstack([sphere.faces, sphere.faces + n])
+    both = pf.Mesh(np.vstack([sphere.vertices, 0.3 * sphere.vertices]), faces)
+    kept, turned = both.repair(), both.repair(cavities=True)
+    assert kept.volume == both.volume and kept.report["unchanged"]
+    assert kept.report["changes"]["nested-parts"].tolist() == [m]
+    assert turned.volume == pytest.approx(sphere.volume * (1 - 0.027))
+    mirrored = pf.Mesh(turned.vertices, turned.faces[:, ::-1]).repair()
+    assert mirrored.volume == pytest.approx(turned.volume)
+
+
+def test_holes_that_stay_open_are_named(sphere: pf.Mesh) -> None:
+    open_, _ = sphere.submesh((sphere.vertices[:, 2] < 0.8)[sphere.faces].all(axis=1))
+    report = open_.repair(holes=3).report
+    [(vertex, edges, reason)] = report["open_holes"]
+    assert edges > 3 and reason == "too-large" and report["changes"]["open-holes"].tolist() == [vertex]
+    assert open_.repair().report["open_holes"] == []
 
 
 def test_info_has_hints(sphere: pf.Mesh) -> None:

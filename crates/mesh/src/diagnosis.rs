@@ -4,6 +4,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::TriMesh;
+use crate::repair::rounding;
+use crate::weld::places_of;
 
 /// The number of elements of one kind, and the lowest of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -65,6 +67,9 @@ pub struct Diagnosis {
     pub duplicate_faces: Tally,
     /// Vertices at exactly the position of an earlier vertex.
     pub duplicate_positions: Tally,
+    /// Vertices at a boundary that differ from another one by the rounding of single-precision
+    /// coordinates ([`Tolerance::Rounding`](crate::Tolerance::Rounding)).
+    pub rounded_vertices: Tally,
     /// Edges with more than two faces.
     pub nonmanifold_edges: Tally,
     /// Vertices where sheets of faces touch.
@@ -74,7 +79,7 @@ pub struct Diagnosis {
     /// Faces to flip so that neighbours agree
     /// ([`TriMesh::turned_faces`]).
     pub turned_faces: Tally,
-    /// Boundary vertices at exactly the position of another boundary vertex
+    /// Vertices of boundary edges that lie exactly on another boundary edge
     /// ([`TriMesh::seam_vertices`]).
     pub seam_vertices: usize,
     /// Lowest and highest corner of the bounding box; `None` without
@@ -137,6 +142,7 @@ impl Diagnosis {
             sliver_faces: thin(just_above..Self::SLIVER),
             duplicate_faces: duplicate_faces(mesh),
             duplicate_positions: duplicate_positions(mesh),
+            rounded_vertices: Tally::new(rounding::apart(mesh)),
             nonmanifold_edges: Tally::new(topology.nonmanifold_edges()),
             nonmanifold_vertices: Tally::new(topology.nonmanifold_vertices().iter().copied()),
             inconsistent_edges: Tally::new(orientation.inconsistent_edges().iter().copied()),
@@ -161,15 +167,20 @@ impl Diagnosis {
             && self.isolated_vertices.count == 0
     }
 
-    /// Remarks on normals that point inwards and on seams, one sentence each without full stop.
+    /// Remarks on normals that point inwards, on seams and on rounding, one sentence each without
+    /// full stop.
     pub fn hints(&self) -> Vec<String> {
         let mut hints = vec![];
         if self.volume.is_some_and(|volume| volume < 0.0) {
             hints.push("the volume is negative: normals point inwards".to_owned());
         }
         if self.seam_vertices > 0 {
-            let seam = "boundary vertices coincide with another vertex: a seam that is not welded";
+            let seam = "boundary vertices lie on another boundary: a seam that is not welded";
             hints.push(format!("{} {seam}", self.seam_vertices));
+        }
+        if self.rounded_vertices.count > 0 {
+            let rounded = "boundary vertices differ from another vertex by rounding alone";
+            hints.push(format!("{} {rounded}", self.rounded_vertices.count));
         }
         hints
     }
@@ -206,15 +217,8 @@ fn duplicate_faces(mesh: &TriMesh) -> Tally {
 }
 
 fn duplicate_positions(mesh: &TriMesh) -> Tally {
-    let mut keys: Vec<([u64; 3], u32)> = mesh
-        .positions()
-        .par_iter()
-        .enumerate()
-        // Adding zero makes −0 and 0 the same bits.
-        .map(|(v, p)| (p.map(|x| (x + 0.0).to_bits()), v as u32))
-        .collect();
-    keys.par_sort_unstable();
-    Tally::new(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
+    let places = places_of(mesh.positions());
+    Tally::new((0..places.len() as u32).filter(|&v| places[v as usize] != v))
 }
 
 #[cfg(test)]

@@ -39,7 +39,10 @@ pub use incidence::Incidence;
 #[cfg(feature = "ndarray")]
 pub use ndarray;
 pub use polygon::PolygonMesh;
-pub use repair::{RepairError, RepairOptions, RepairStep, Repaired, repair, repair_with};
+pub use repair::{
+    OpenHole, OpenReason, RepairError, RepairOptions, RepairStep, Repaired, Tolerance, repair,
+    repair_with,
+};
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
 pub use trimesh::TriMesh;

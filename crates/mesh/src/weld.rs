@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use rayon::prelude::*;
+
 use crate::TriMesh;
 
 /// Joins corners at exactly equal positions to one vertex, numbered in order of
@@ -34,6 +36,18 @@ impl Welder {
     pub(crate) fn into_positions(self) -> Vec<[f64; 3]> {
         self.positions
     }
+}
+
+/// For each vertex the first one at exactly its position; −0 equals 0.
+pub(crate) fn places_of(positions: &[[f64; 3]]) -> Vec<u32> {
+    let key = |(v, p): (usize, &[f64; 3])| (p.map(|x| (x + 0.0).to_bits()), v as u32);
+    let mut keys: Vec<([u64; 3], u32)> = positions.par_iter().enumerate().map(key).collect();
+    keys.par_sort_unstable();
+    let mut first = vec![0; positions.len()];
+    for group in keys.chunk_by(|x, y| x.0 == y.0) {
+        group.iter().for_each(|&(_, v)| first[v as usize] = group[0].1);
+    }
+    first
 }
 
 /// The result of [`TriMesh::welded`]: a mesh without two vertices at one position.
@@ -96,17 +110,29 @@ impl TriMesh {
         Welded { mesh, vertices, left_out }
     }
 
-    /// The number of boundary vertices at exactly the position of another boundary vertex: seams
-    /// of texture coordinates or normals, or faces that share no corners at all.
+    /// The number of vertices of boundary edges that lie, with exactly equal ends, on one other
+    /// boundary edge: seams of texture coordinates or normals, or faces that share no corners at
+    /// all. Sheets that only touch in a vertex have no seam there, and neither has an edge at which
+    /// more than two faces meet.
     pub fn seam_vertices(&self) -> usize {
         let topology = self.topology();
-        let mut at: HashMap<[u64; 3], usize> = HashMap::new();
-        let bits = |v: usize| self.positions()[v].map(|x| (x + 0.0).to_bits());
-        let boundary = || topology.boundary_vertices().iter().enumerate().filter(|(_, b)| **b);
-        for (v, _) in boundary() {
-            *at.entry(bits(v)).or_default() += 1;
+        let places = places_of(self.positions());
+        let mut count = vec![0_u32; places.len()];
+        places.iter().for_each(|&place| count[place as usize] += 1);
+        let mut edges: Vec<([u32; 2], u32)> = (topology.edges().iter().zip(0..))
+            .map(|(ends, e)| (ends.map(|v| places[v as usize]), e))
+            .filter(|(ends, _)| ends.iter().all(|&place| count[place as usize] > 1))
+            .map(|([a, b], e)| ([a.min(b), a.max(b)], e))
+            .collect();
+        edges.par_sort_unstable();
+        let mut seam = vec![false; places.len()];
+        for pair in edges.chunk_by(|x, y| x.0 == y.0) {
+            if pair.len() == 2 && pair.iter().all(|&(_, e)| topology.is_boundary_edge(e)) {
+                let ends = pair.iter().flat_map(|&(_, e)| topology.edges()[e as usize]);
+                ends.for_each(|v| seam[v as usize] = true);
+            }
         }
-        at.values().filter(|count| **count > 1).sum()
+        seam.into_iter().filter(|&seam| seam).count()
     }
 
     /// Returns true if most vertices of faces are [seams](Self::seam_vertices): faces touch but do

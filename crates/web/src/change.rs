@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use fairing_denoising::{Approach, Denoiser, automatic};
 use fairing_evaluation::{NoiseLevel, add_noise};
 use fairing_mesh::io::VertexFields;
-use fairing_mesh::{RepairOptions, TriMesh};
+use fairing_mesh::{RepairOptions, Tolerance, TriMesh};
 use fairing_parameters::Options as _;
 use fairing_smoothing::{Method, repair_fair};
 use fairing_spectral as spectral;
@@ -122,7 +122,10 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
     let all = (held.fields.clone(), held.computed.clone());
     let (own, dropped) = of_the_file(held);
     let options = RepairOptions {
-        tolerance: task.tolerance,
+        tolerance: match task.tolerance > 0.0 {
+            true => Tolerance::EdgeLengths(task.tolerance),
+            false => Tolerance::Rounding,
+        },
         smallest_component: task.components,
         thin: task.thin,
         holes: task.holes,
@@ -132,11 +135,17 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
     if repaired.mesh.face_count() == 0 && mesh.face_count() > 0 {
         bail!("no face would be left");
     }
-    let counts = repaired.changes.iter();
-    let counts: Map<String, Value> =
-        counts.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect();
+    let counts = |notes: bool| -> Map<String, Value> {
+        let changes = repaired.changes.iter().filter(|(step, _)| step.is_note() == notes);
+        changes.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect()
+    };
     let flat = flat.map(|error| error.to_string());
-    let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts, "flat": flat });
+    let report = json!({
+        "unchanged": repaired.is_unchanged(),
+        "changes": counts(false),
+        "left": counts(true),
+        "flat": flat,
+    });
     let ((fields, computed), dropped) = match repaired.is_unchanged() {
         true => (all, vec![]),
         false => ((own, Computed::new()), dropped),

@@ -60,7 +60,7 @@ options! {
     /// Parameters of `repair`; every other step is taken.
     #[derive(Debug, Clone, PartialEq)]
     pub struct RepairTask {
-        /// The distance up to which vertices are merged.
+        /// The distance up to which vertices are merged; zero merges those that differ by rounding.
         pub tolerance: f64 = 0.0, in Range::FRACTION, unit "mean edge lengths";
         /// The number of faces below which a component is dropped.
         pub components: usize = 0;

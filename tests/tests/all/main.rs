@@ -21,6 +21,7 @@ mod interrupts;
 mod invariants;
 mod many_files;
 mod masks;
+mod mending;
 mod public_types;
 mod rendering;
 mod report;

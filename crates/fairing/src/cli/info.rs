@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use fairing::mesh::io::{PolygonFile, ReadReport, VertexFields};
-use fairing::mesh::{Diagnosis, PolygonMesh, Tally, TriMesh};
+use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -50,7 +50,7 @@ impl Info {
         let surface = mesh.triangulate();
         memory::require_for_mesh(surface.vertex_count())?;
         let diagnosis = Diagnosis::new(&surface);
-        let (hints, command) = (diagnosis.hints(), repair_command(input, &surface, &diagnosis));
+        let (hints, command) = (diagnosis.hints(), repair_command(input, &diagnosis));
         let [of_vertices, of_faces] = names(&fields);
         let textured = fields.faces.texture.is_some();
         if self.summary.is_wanted() {
@@ -87,7 +87,7 @@ impl Info {
 }
 
 /// Measures that points do not have.
-const OF_FACES: [&str; 22] = [
+const OF_FACES: [&str; 23] = [
     "edges",
     "components",
     "boundary_loops",
@@ -105,6 +105,7 @@ const OF_FACES: [&str; 22] = [
     "inconsistent_edges",
     "turned_faces",
     "seam_vertices",
+    "rounded_vertices",
     "area",
     "volume",
     "shortest_edge",
@@ -148,6 +149,7 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport) -> Value {
         "inconsistent_edges": d.inconsistent_edges.count,
         "turned_faces": d.turned_faces.count,
         "seam_vertices": d.seam_vertices,
+        "rounded_vertices": d.rounded_vertices.count,
         "bounding_box": d.bounding_box,
         "area": d.area,
         "volume": d.volume,
@@ -197,6 +199,7 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
         row("inconsistent edges", tally(d.inconsistent_edges));
         row("flipped faces", tally(d.turned_faces));
         row("seam vertices", d.seam_vertices.to_string());
+        row("vertices apart by rounding", tally(d.rounded_vertices));
     }
     if let Some([lo, hi]) = d.bounding_box {
         row("lowest corner", lo.map(number).join(", "));
@@ -213,16 +216,17 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
 }
 
 /// The command that mends what was counted; `None` if `repair` without options mends none of it.
-fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String> {
+fn repair_command(input: &Path, d: &Diagnosis) -> Option<String> {
     let defects = [
         d.isolated_vertices,
         d.duplicate_faces,
         d.nonmanifold_edges,
         d.nonmanifold_vertices,
         d.turned_faces,
+        d.rounded_vertices,
     ];
     let inside_out = d.volume.is_some_and(|volume| volume < 0.0);
-    let found = defects.iter().any(|tally| tally.count > 0) || inside_out || has_open_seam(mesh, d);
+    let found = defects.iter().any(|tally| tally.count > 0) || inside_out || d.seam_vertices > 0;
     if d.faces == 0 || !found {
         return None;
     }
@@ -231,17 +235,6 @@ fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String>
         name = format!("'{}'", name.replace('\'', r"'\''"));
     }
     Some(format!("fairing repair {name} -o repaired.ply"))
-}
-
-/// True if joining the vertices at one position gives more edges exactly two faces: not at copies
-/// of an edge with more faces.
-fn has_open_seam(mesh: &TriMesh, d: &Diagnosis) -> bool {
-    let inner = |mesh: &TriMesh| {
-        let topology = mesh.topology();
-        let others = topology.boundary_edges().count() + topology.nonmanifold_edges().count();
-        topology.edges().len() - others
-    };
-    d.seam_vertices > 0 && inner(&mesh.welded().mesh) > inner(mesh)
 }
 
 fn yes(flag: bool) -> String {

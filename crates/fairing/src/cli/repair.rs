@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use fairing::mesh::{RepairError, RepairOptions, RepairStep, Repaired, TriMesh};
+use fairing::mesh::{
+    OpenHole, OpenReason, RepairError, RepairOptions, RepairStep, Repaired, Tolerance, TriMesh,
+};
 use fairing::smoothing::repair_fair;
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
 use super::inputs::{Inputs, Summary};
+use super::noise::Unit;
 use super::table::Table;
 
 const EXAMPLES: &str = "\
@@ -17,20 +20,23 @@ Examples:
   fairing repair scan.stl -o clean.ply
   fairing repair scan.ply --dry-run
   fairing repair scan.ply -o closed.ply --components 100 --thin 0.002 --holes 50
-  fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01";
+  fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01
+  fairing repair part.stl -o part.ply --tolerance 0.05 --unit model";
 
 /// Mend a mesh: vertices that are not shared, faces that are doubled or flipped, holes
 ///
-/// Without options nothing is moved: vertices at one place are merged, faces with the corners of
-/// an earlier one dropped, neighbours made to agree with closed parts facing outwards, sheets that
-/// touch at an edge or a vertex separated, and vertices without a face dropped. What stays keeps
-/// its order and its properties; the property source is the vertex of the input, from 0, or -1 in
-/// the patch of a hole. A second run changes nothing; with --tolerance, which is measured in mean
-/// edges of the input, it may merge farther where the first run removed short edges.
+/// Without options nothing is moved by more than rounding: vertices at one place, or at the
+/// boundary and closer than single precision distinguishes, are merged, faces with the corners of
+/// an earlier one dropped, neighbours made to agree, closed parts that are inside out turned with
+/// all that they hold, sheets that touch at an edge or a vertex separated, and vertices without a
+/// face dropped. What stays keeps its order and its properties; the property source is the vertex
+/// of the input, from 0, or -1 in the patch of a hole. A second run changes nothing; with
+/// --tolerance in mean edges or diagonals, which are those of the input, it may merge farther.
 ///
 /// The summary of --json lists the elements that each step changed, by their numbers in the input,
-/// from 0, and in vertex_map for each vertex of the input its vertex in the output, or null if it
-/// was dropped. The rows of --table have their counts.
+/// from 0, in open_holes each hole that --holes leaves with the reason, and in vertex_map for each
+/// vertex of the input its vertex in the output, or null if it was dropped. The rows of --table
+/// have their counts.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Repair {
@@ -44,9 +50,13 @@ pub(crate) struct Repair {
     /// Leave out some steps
     #[arg(long, value_name = "STEP", value_delimiter = ',')]
     skip: Vec<Skip>,
-    /// Merge vertices up to this distance, in mean edge lengths of the input, from 0 to 1
-    #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true)]
-    tolerance: f64,
+    /// Merge vertices up to this distance; 0 merges equal positions only [default: four units in
+    /// the last place of single precision, at boundaries, where no face collapses]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// The unit of the tolerance
+    #[arg(long, value_enum, default_value = "edge", requires = "tolerance")]
+    unit: Unit,
     /// Drop components with fewer faces than this
     #[arg(long, value_name = "FACES", default_value_t = 0)]
     components: usize,
@@ -58,6 +68,10 @@ pub(crate) struct Repair {
     /// surface around it; the rim of an open surface counts as a hole, too
     #[arg(long, value_name = "EDGES", default_value_t = 0)]
     holes: usize,
+    /// Turn closed parts within others so that they alternate: a solid within a solid becomes a
+    /// cavity
+    #[arg(long)]
+    cavities: bool,
     #[command(flatten)]
     summary: Summary,
 }
@@ -86,9 +100,15 @@ impl Repair {
         let does = |step| !self.skip.contains(&step);
         let options = RepairOptions {
             merge: does(Skip::Merge),
-            tolerance: self.tolerance,
+            tolerance: match (self.tolerance, self.unit) {
+                (None, _) => Tolerance::Rounding,
+                (Some(ratio), Unit::Edge) => Tolerance::EdgeLengths(ratio),
+                (Some(length), Unit::Model) => Tolerance::Model(length),
+                (Some(ratio), Unit::Diagonal) => Tolerance::Diagonals(ratio),
+            },
             duplicates: does(Skip::Duplicates),
             orient: does(Skip::Orient),
+            cavities: self.cavities,
             split: does(Skip::Split),
             smallest_component: self.components,
             thin: self.thin,
@@ -106,6 +126,7 @@ impl Repair {
             "small-components",
             "isolated-vertices",
             "filled-holes",
+            "open-holes",
         ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
             self.one(context, input, &options)
@@ -157,8 +178,9 @@ impl Repair {
     }
 }
 
-const WORDS: [(RepairStep, &str); 10] = [
+const WORDS: [(RepairStep, &str); 12] = [
     (RepairStep::MergedVertices, "vertices merged"),
+    (RepairStep::MovedVertices, "of these and those that stay, moved"),
     (RepairStep::CollapsedFaces, "faces collapsed by merging"),
     (RepairStep::DuplicateFaces, "duplicate faces dropped"),
     (RepairStep::TurnedFaces, "faces flipped"),
@@ -167,7 +189,15 @@ const WORDS: [(RepairStep, &str); 10] = [
     (RepairStep::ThinFaces, "thin faces mended"),
     (RepairStep::IsolatedVertices, "isolated vertices dropped"),
     (RepairStep::FilledHoles, "holes filled"),
-    (RepairStep::OpenHoles, "holes that cannot be filled"),
+    (RepairStep::TouchingVertices, "vertices that touch others without a common edge, kept apart"),
+    (RepairStep::NestedParts, "closed parts within others, which --cavities would turn, kept"),
+];
+
+const REASONS: [(OpenReason, &str); 4] = [
+    (OpenReason::TooLarge, "more edges than --holes"),
+    (OpenReason::LoneFace, "the rim of a single face"),
+    (OpenReason::NoPatch, "every patch would repeat an edge"),
+    (OpenReason::PatchRemoved, "other steps would remove the patch"),
 ];
 
 fn as_table(input: &TriMesh, repaired: &Repaired) -> String {
@@ -175,6 +205,13 @@ fn as_table(input: &TriMesh, repaired: &Repaired) -> String {
     for (step, words) in WORDS {
         if let elements @ [first, ..] = repaired.changed(step) {
             table.row([words.to_owned(), format!("{} (the first: {first})", elements.len())]);
+        }
+    }
+    for (reason, words) in REASONS {
+        let open = || repaired.open_holes.iter().filter(|hole| hole.reason == reason);
+        if let Some(OpenHole { vertex, edges, .. }) = open().next() {
+            let first = format!("{} (the first: {vertex}, {edges} edges)", open().count());
+            table.row([format!("holes left open, {words}"), first]);
         }
     }
     let mesh = &repaired.mesh;
@@ -193,6 +230,13 @@ fn as_json(repaired: &Repaired) -> Value {
         changes.map(|(step, elements)| (step.name().to_owned(), json!(elements))).collect();
     let mut summary = counts(repaired);
     summary.insert("changes".to_owned(), changes.into());
+    let open = repaired.open_holes.iter();
+    let open: Vec<Value> = open
+        .map(|&OpenHole { vertex, edges, reason, .. }| {
+            json!({ "vertex": vertex, "edges": edges, "reason": reason.name() })
+        })
+        .collect();
+    summary.insert("open_holes".to_owned(), open.into());
     summary.insert("vertex_map".to_owned(), json!(repaired.vertices));
     summary.into()
 }

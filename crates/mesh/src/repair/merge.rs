@@ -1,15 +1,15 @@
 //! Vertices at one place, and faces that agree.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 
 use fairing_watch as watch;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::copies::without_copies;
-use super::{RepairOptions, RepairStep, Work, split};
+use super::{RepairOptions, RepairStep, Tolerance, Work, rounding, split};
 use crate::TriMesh;
+use crate::weld::places_of;
 
 impl Work {
     /// Merges vertices, drops faces that collapse or occur twice, turns faces that disagree, and
@@ -59,9 +59,13 @@ impl Work {
         if !options.merge {
             return (0..positions.len() as u32).collect();
         }
-        match self.distance > 0.0 {
-            true => within(positions, self.distance),
-            false => at_equal_positions(positions),
+        match options.tolerance {
+            Tolerance::Rounding => rounding::places(&self.mesh, self.distance),
+            _ if self.distance > 0.0 => {
+                let all: Vec<u32> = (0..positions.len() as u32).collect();
+                within(positions, &all, self.distance, |_| self.distance)
+            }
+            _ => places_of(positions),
         }
     }
 
@@ -150,21 +154,15 @@ impl Work {
     }
 }
 
-/// The first vertex at exactly the position of each vertex.
-fn at_equal_positions(positions: &[[f64; 3]]) -> Vec<u32> {
-    let key = |(v, p): (usize, &[f64; 3])| (p.map(|x| (x + 0.0).to_bits()), v as u32);
-    let mut keys: Vec<([u64; 3], u32)> = positions.par_iter().enumerate().map(key).collect();
-    keys.par_sort_unstable();
-    let mut first = vec![0; positions.len()];
-    for group in keys.chunk_by(|x, y| x.0 == y.0) {
-        group.iter().for_each(|&(_, v)| first[v as usize] = group[0].1);
-    }
-    first
-}
-
-/// For each vertex the first one within a distance that is not itself merged, so that vertices
-/// are not merged in chains.
-pub(super) fn within(positions: &[[f64; 3]], distance: f64) -> Vec<u32> {
+/// For each of some ascending vertices the first of them within a distance that is not itself
+/// merged, so that vertices are not merged in chains; for the others these themselves. No two are
+/// merged that are farther apart than the limit of either.
+pub(super) fn within(
+    positions: &[[f64; 3]],
+    vertices: &[u32],
+    distance: f64,
+    limit: impl Fn(u32) -> f64,
+) -> Vec<u32> {
     // Cells are no finer than coordinates are, and their numbers fit.
     let largest = positions.as_flattened().iter().fold(0.0, |max: f64, x| max.max(x.abs()));
     let side = distance.max(1e-12 * largest);
@@ -177,18 +175,16 @@ pub(super) fn within(positions: &[[f64; 3]], distance: f64) -> Vec<u32> {
             .flat_map(move |[x, y]| z.clone().map(move |z| [x, y, z]))
     };
     let mut first: Vec<u32> = (0..positions.len() as u32).collect();
-    for (v, &p) in positions.iter().enumerate() {
-        let p = DVec3::from(p);
+    for &v in vertices {
+        let p = DVec3::from(positions[v as usize]);
         let near = around(p).filter_map(|cell| cells.get(&cell)).flatten().copied();
-        let near = near.filter(|&w| p.distance(positions[w as usize].into()) <= distance);
+        let near = near.filter(|&w| {
+            let limit = distance.min(limit(v)).min(limit(w));
+            p.distance(positions[w as usize].into()) <= limit
+        });
         match near.min() {
-            Some(w) => first[v] = w,
-            None => match cells.entry(cell(p)) {
-                Entry::Occupied(mut entry) => entry.get_mut().push(v as u32),
-                Entry::Vacant(entry) => {
-                    entry.insert(vec![v as u32]);
-                }
-            },
+            Some(w) => first[v as usize] = w,
+            None => cells.entry(cell(p)).or_default().push(v),
         }
     }
     first

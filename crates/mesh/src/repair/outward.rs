@@ -1,46 +1,68 @@
-//! Closed components with their normals outwards.
+//! Parts with their normals outwards.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Work;
+use super::{RepairOptions, Work};
 use crate::TriMesh;
 
-/// A closed component whose faces agree.
-struct Closed {
+/// A component whose faces agree.
+struct Part {
     faces: Vec<u32>,
+    is_closed: bool,
     low: DVec3,
     high: DVec3,
     volume: f64,
 }
 
 impl Work {
-    /// Turns closed components whose volume has the wrong sign: negative, or positive for a
-    /// component inside an odd number of others.
-    pub(super) fn turn_outward(&mut self) {
-        let closed = closed_components(&self.mesh);
-        if closed.len() == 1 && closed[0].volume >= 0.0 {
+    /// Turns closed parts that stand alone inside out, with all that they hold; with
+    /// [`RepairOptions::cavities`] each closed part whose volume has the wrong sign, which depends
+    /// on the number of others around it. Notes the parts that only cavities would turn.
+    pub(super) fn turn_outward(&mut self, options: &RepairOptions) {
+        self.nested.clear();
+        let parts = parts(&self.mesh);
+        if let [part] = &parts[..]
+            && part.volume >= 0.0
+        {
             return;
         }
         let mesh = &self.mesh;
-        let wrong: Vec<bool> = closed
+        let around: Vec<Vec<usize>> = parts
             .par_iter()
             .enumerate()
             .map(|(i, inner)| {
                 let point = DVec3::from(mesh.triangle(inner.faces[0] as usize)[0]);
-                let around = closed.iter().enumerate().filter(|(j, outer)| {
-                    *j != i && outer.contains_box_of(inner) && outer.winds_around(mesh, point)
-                });
-                let cavity = around.count() % 2 == 1;
-                if cavity { inner.volume > 0.0 } else { inner.volume < 0.0 }
+                let holds = |(j, outer): &(usize, &Part)| {
+                    *j != i
+                        && outer.is_closed
+                        && outer.contains_box_of(inner)
+                        && outer.winds_around(mesh, point)
+                };
+                parts.iter().enumerate().filter(holds).map(|(j, _)| j).collect()
             })
             .collect();
-        if !wrong.contains(&true) {
+        // Of the parts around another, the outermost has no part around itself.
+        let outermost = |i: usize| around[i].iter().copied().find(|&j| around[j].is_empty());
+        let is_inside_out = |i: usize| parts[i].is_closed && parts[i].volume < 0.0;
+        let holder_is = |i: usize| is_inside_out(outermost(i).unwrap_or(i));
+        let has_wrong_sign = |i: usize| {
+            let cavity = around[i].len() % 2 == 1;
+            parts[i].is_closed && parts[i].volume != 0.0 && cavity == (parts[i].volume > 0.0)
+        };
+        let turned: Vec<bool> = match options.cavities {
+            true => (0..parts.len()).map(has_wrong_sign).collect(),
+            false => (0..parts.len()).map(holder_is).collect(),
+        };
+        for i in (0..parts.len()).filter(|&i| !options.cavities && has_wrong_sign(i) != turned[i]) {
+            self.nested.extend(parts[i].faces.iter().find_map(|&f| self.face_sources[f as usize]));
+        }
+        if !turned.contains(&true) {
             return;
         }
         let mut flips = vec![false; self.mesh.face_count()];
-        for component in closed.iter().zip(&wrong).filter(|(_, wrong)| **wrong).map(|(c, _)| c) {
-            for &f in &component.faces {
+        for part in parts.iter().zip(&turned).filter(|(_, turned)| **turned).map(|(part, _)| part) {
+            for &f in &part.faces {
                 flips[f as usize] = true;
                 self.turned[f as usize] ^= true;
             }
@@ -49,30 +71,34 @@ impl Work {
     }
 }
 
-/// The components without a boundary whose edges have two faces each that agree.
-fn closed_components(mesh: &TriMesh) -> Vec<Closed> {
+/// The components whose faces agree. If none is closed, nothing has an outside, and there are no
+/// parts.
+fn parts(mesh: &TriMesh) -> Vec<Part> {
     let topology = mesh.topology();
     let components = topology.components();
     let label = |v: u32| components.label(v).map_or(0, |label| label as usize);
-    let mut open = vec![false; components.count()];
+    let at = |e: u32| label(topology.edges()[e as usize][0]);
+    let (mut is_closed, mut agrees) =
+        (vec![true; components.count()], vec![true; components.count()]);
     for e in 0..topology.edges().len() as u32 {
-        if topology.edge_faces(e).len() != 2 {
-            open[label(topology.edges()[e as usize][0])] = true;
-        }
+        is_closed[at(e)] &= topology.edge_faces(e).len() == 2;
     }
     for &e in topology.orientation().inconsistent_edges() {
-        open[label(topology.edges()[e as usize][0])] = true;
+        agrees[at(e)] = false;
+    }
+    if !is_closed.iter().zip(&agrees).any(|(closed, agrees)| *closed && *agrees) {
+        return vec![];
     }
     let mut faces: Vec<Vec<u32>> = vec![vec![]; components.count()];
     for (f, face) in mesh.faces().iter().enumerate() {
         faces[label(face[0])].push(f as u32);
     }
-    let closed = faces.into_iter().zip(open).filter(|(_, open)| !open);
-    closed.map(|(faces, _)| Closed::new(mesh, faces)).collect()
+    let agreeing = faces.into_iter().zip(is_closed).zip(agrees).filter(|(_, agrees)| *agrees);
+    agreeing.map(|((faces, is_closed), _)| Part::new(mesh, faces, is_closed)).collect()
 }
 
-impl Closed {
-    fn new(mesh: &TriMesh, faces: Vec<u32>) -> Self {
+impl Part {
+    fn new(mesh: &TriMesh, faces: Vec<u32>, is_closed: bool) -> Self {
         let corners = |f: &u32| mesh.triangle(*f as usize).map(DVec3::from);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for p in faces.iter().flat_map(corners) {
@@ -83,7 +109,7 @@ impl Closed {
             let [a, b, c] = corners(f).map(|p| p - origin);
             a.dot(b.cross(c))
         });
-        Self { volume: volume.sum(), faces, low, high }
+        Self { volume: volume.sum(), faces, is_closed, low, high }
     }
 
     fn contains_box_of(&self, other: &Self) -> bool {

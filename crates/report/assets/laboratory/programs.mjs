@@ -113,9 +113,10 @@ const MADE_IN_RUST = {
     ...modesInRust(request),
     `let mesh = fairing::spectral::reconstruct(&mesh, &modes, ${told(request).k})?.mesh;`,
   ],
-  repair: ({values: {components, holes, ...lengths}}) => {
+  repair: ({values: {components, holes, tolerance, ...lengths}}) => {
     const counts = Object.entries({smallest_component: components, holes}).filter(([, x]) => x !== undefined);
     const fields = [...counts, ...Object.entries(lengths).map(([name, x]) => [name, float(x)])];
+    if (tolerance > 0) fields.push(['tolerance', `fairing::mesh::Tolerance::EdgeLengths(${float(tolerance)})`]);
     const given = [...fields.map((pair) => pair.join(': ')), '..Default::default()'].join(', ');
     const options = `let options = fairing::mesh::RepairOptions { ${given} };`;
     if (!holes) return [options, 'let mesh = fairing::mesh::repair(&mesh, &options)?.mesh;'];

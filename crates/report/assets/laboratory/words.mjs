@@ -48,6 +48,12 @@ const KINDS = {
   uneven: 'The faces are too uneven for their normals to determine positions, and no vertex was moved.',
 };
 
+/** A sentence of the counts of elements, by the names of steps. */
+function counted(verb, counts) {
+  const each = Object.entries(counts).map(([name, count]) => `${name.replaceAll('-', ' ')}: ${count}`);
+  return each.length && `${verb} ${each.join(', ')}.`;
+}
+
 /** Sentences about the entries of reports; those that say nothing are empty. */
 const SENTENCES = {
   iterations: (count) => `${count} ${count === 1 ? 'step' : 'steps'}.`,
@@ -66,10 +72,8 @@ const SENTENCES = {
   displacement_limit: (length) => `No vertex moved by more than ${readable(length)} file units.`,
   unchanged: (is) => is && 'There was nothing to repair.',
   flat: (reason) => reason && `The patches of holes stay flat: ${reason}.`,
-  changes: (changes) => {
-    const counts = Object.entries(changes).map(([name, count]) => `${name.replaceAll('-', ' ')}: ${count}`);
-    return counts.length && `Repaired ${counts.join(', ')}.`;
-  },
+  changes: (changes) => counted('Repaired', changes),
+  left: (left) => counted('Left', left),
 };
 
 /** What a task reports, in sentences. */
