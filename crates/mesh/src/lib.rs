@@ -38,7 +38,7 @@ pub use incidence::Incidence;
 #[doc(hidden)]
 #[cfg(feature = "ndarray")]
 pub use ndarray;
-pub use polygon::PolygonMesh;
+pub use polygon::{PolygonFaces, PolygonMesh};
 pub use repair::{RepairError, RepairOptions, RepairStep, Repaired, repair, repair_with};
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
