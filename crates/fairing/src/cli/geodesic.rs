@@ -55,7 +55,7 @@ pub(crate) struct Geodesic {
     )]
     from: Vec<Source>,
     /// Format of the standard input (file name -); --from of the other verbs
-    #[arg(id = INPUT_FORMAT, long, value_name = "NAME", value_parser = formats())]
+    #[arg(id = INPUT_FORMAT, long = "input-format", value_name = "NAME", value_parser = formats())]
     input_format: Option<Format>,
     /// Trace the shortest path from these vertices to the nearest source, and print its length
     #[arg(long = "path", value_name = "V,V...", value_delimiter = ',')]
