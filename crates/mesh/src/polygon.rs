@@ -206,6 +206,28 @@ mod tests {
     }
 
     #[test]
+    fn a_mesh_keeps_the_polygons_of_its_triangles_only() {
+        let positions: Vec<_> = (0..5).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
+        let polygons = |faces: [&[u32]; 2]| PolygonMesh::new(positions.clone(), faces).unwrap();
+        let mesh = polygons([&[0, 1, 2, 3], &[3, 2, 4]]);
+        let split = mesh.triangulate();
+        assert_eq!(split.polygons(), Some(mesh.faces()));
+        assert_eq!(split.to_polygon_mesh(), mesh);
+        assert_eq!([0, 1].map(|f| mesh.faces().triangles_of(f)), [0..2, 2..3]);
+        let moved = split.with_positions(split.positions().to_vec()).unwrap();
+        assert_eq!(moved.polygons(), split.polygons());
+        let plain = split.without_polygons();
+        assert_eq!((plain.polygons(), plain.to_polygon_mesh().polygon_count()), (None, 3));
+        let with = |mesh: &PolygonMesh| plain.clone().with_polygons(mesh.faces().clone());
+        assert_eq!(with(&mesh).unwrap().polygons(), Some(mesh.faces()));
+        for other in [polygons([&[0, 1, 2, 4], &[3, 2, 4]]), polygons([&[0, 1, 2], &[3, 2, 4]])] {
+            assert!(with(&other).is_none());
+        }
+        // Triangles are their own polygons.
+        assert_eq!(polygons([&[0, 1, 2], &[3, 2, 4]]).triangulate().polygons(), None);
+    }
+
+    #[test]
     fn invalid_polygons_are_refused_by_name() {
         let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let build = |faces: &[&[u32]]| PolygonMesh::new(square.clone(), faces);

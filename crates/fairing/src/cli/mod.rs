@@ -87,7 +87,13 @@ struct Cli {
     #[arg(long, global = true)]
     drop_broken: bool,
     /// Format of the standard input (file name -), where its content leaves a doubt
-    #[arg(id = INPUT_FORMAT, long = "from", global = true, value_name = "NAME", value_parser = formats())]
+    #[arg(
+        id = INPUT_FORMAT,
+        long = "from",
+        global = true,
+        value_name = "NAME",
+        value_parser = formats(),
+    )]
     from: Option<Format>,
     /// Format of the standard output (file name -)
     #[arg(
