@@ -123,7 +123,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
             {name: values for name, values in fields.items() if name != "normal"}
             for fields in (self._fields, self._face_fields)
         )
-        return self._of(core, kept, report, of_faces)
+        return self._of(core.with_statements_of(self._core), kept, report, of_faces)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a mesh never changes: {name} cannot be set")
@@ -152,7 +152,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Returns
         -------
         Mesh
-            Its triangles in the order of the polygons.
+            Its triangles in the order of the polygons, which it keeps (`polygons`).
         """
         corners, sizes = _arrays.polygons(polygons)
         with running(None, None) as call:
@@ -168,6 +168,21 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     def faces(self) -> Indices:
         """Corners, (m, 3) uint32, counter-clockwise seen from outside: a view, not writeable."""
         return self._core.faces
+
+    @property
+    def polygons(self) -> list[Indices] | None:
+        """The polygons that `faces` were split from, as `from_polygons` takes them.
+
+        None if all faces are triangles. A polygon of n corners has n - 2 faces, in the order of
+        the polygons. Meshes that differ in positions or fields share them, and files get them
+        if the format holds polygons; what changes faces (`repair`, `subdivide`, a part) drops
+        them.
+        """
+        found = self._core.polygons()
+        if found is None:
+            return None
+        corners, sizes = found
+        return [_arrays.frozen(own) for own in np.split(corners, np.cumsum(sizes)[:-1])]
 
     @property
     def fields(self) -> Fields:
@@ -414,11 +429,13 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
 
     def __reduce__(self) -> Any:
         arrays = (np.array(self.vertices), np.array(self.faces))
-        parts = (*arrays, self._fields, dict(self._report), self._face_fields)
+        of_faces = (self._core.polygons(), self._core.statements())
+        parts = (*arrays, self._fields, dict(self._report), self._face_fields, *of_faces)
         return _restored, (type(self), *parts)
 
     def __dask_tokenize__(self) -> Any:
-        return ("pyfairing.Mesh", self.vertices, self.faces, dict(self._fields), dict(self._face_fields))
+        own = (self.vertices, self.faces, self._core.polygons(), self._core.statements())
+        return ("pyfairing.Mesh", *own, dict(self._fields), dict(self._face_fields))
 
 
 def _restored(
@@ -428,8 +445,15 @@ def _restored(
     fields: Fields,
     report: Mapping[str, Any],
     face_fields: Fields,
+    polygons: list[Indices] | None = None,
+    statements: list[tuple[int, str, bytes]] | None = None,
 ) -> Mesh:
-    return cls._of(_core.Mesh(vertices, faces), fields, report, face_fields)
+    core = _core.Mesh(vertices, faces)
+    if polygons is not None:
+        core = core.with_polygons(*polygons)
+    if statements:
+        core = core.with_statements(statements)
+    return cls._of(core, fields, report, face_fields)
 
 
 @documented

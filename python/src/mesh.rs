@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fairing_mesh::io::{
-    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadOptions, ReadReport,
+    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, Statements,
     UnsupportedFields, VertexFields, WriteOptions,
 };
 use fairing_mesh::{
@@ -24,11 +24,12 @@ use crate::run::Call;
 #[pyclass(frozen, module = "pyfairing._core")]
 pub(crate) struct Mesh {
     inner: Arc<TriMesh>,
+    statements: Arc<Statements>,
 }
 
 impl From<TriMesh> for Mesh {
     fn from(mesh: TriMesh) -> Self {
-        Self { inner: Arc::new(mesh) }
+        Self { inner: Arc::new(mesh), statements: Arc::default() }
     }
 }
 
@@ -67,6 +68,45 @@ impl Mesh {
         let positions = triples(&vertices)?;
         let moved = py.detach(|| self.inner.with_positions(positions)).map_err(Error::from)?;
         Ok(moved.into())
+    }
+
+    /// The corners of all polygons and the number of corners of each.
+    fn polygons<'py>(&self, py: Python<'py>) -> Option<[Bound<'py, PyArray1<u32>>; 2]> {
+        let polygons = self.inner.polygons()?;
+        let sizes = polygons.iter().map(|face| face.len() as u32).collect();
+        Some([column(py, polygons.corners().to_vec()), column(py, sizes)])
+    }
+
+    /// The mesh as parts of polygons.
+    fn with_polygons(
+        &self,
+        corners: PyReadonlyArray1<'_, u32>,
+        sizes: PyReadonlyArray1<'_, u32>,
+    ) -> PyResult<Self> {
+        let positions = self.inner.positions().to_vec();
+        let faces = polygons(positions, &values(&corners), &values(&sizes))?.faces().clone();
+        let mesh = TriMesh::clone(&self.inner).with_polygons(faces);
+        let mesh = mesh.ok_or_else(|| Error::option("the faces are no parts of the polygons"))?;
+        Ok(Self { inner: Arc::new(mesh), statements: Arc::clone(&self.statements) })
+    }
+
+    /// Objects, groups and materials of an OBJ file: the face that each statement stands before,
+    /// its keyword and its text.
+    fn statements<'py>(&self, py: Python<'py>) -> Vec<(usize, &'static str, Bound<'py, PyBytes>)> {
+        let runs = self.statements.runs().into_iter();
+        runs.map(|(face, keyword, text)| (face, keyword, PyBytes::new(py, text))).collect()
+    }
+
+    /// The mesh with other statements.
+    fn with_statements(&self, runs: Vec<(usize, String, Vec<u8>)>) -> Self {
+        let runs = runs.iter().map(|(face, keyword, text)| (*face, &keyword[..], &text[..]));
+        let statements = Arc::new(Statements::from_runs(self.inner.face_count(), runs));
+        Self { inner: self.share(), statements }
+    }
+
+    /// The mesh with the statements of another one of the same faces.
+    fn with_statements_of(&self, other: &Self) -> Self {
+        Self { inner: self.share(), statements: Arc::clone(&other.statements) }
     }
 
     /// `n × 3`, a view that keeps the mesh alive.
@@ -202,7 +242,8 @@ impl Mesh {
         width: &str,
         call: Call,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
-        let fields = fields(given)?;
+        let mut fields = fields(given)?;
+        fields.faces.statements = Statements::clone(&self.statements);
         let options = write_options(ascii, width)?;
         let mesh = self.share();
         call.run(py, move || {
@@ -220,7 +261,8 @@ impl Mesh {
         width: &str,
         call: Call,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let fields = fields(given)?;
+        let mut fields = fields(given)?;
+        fields.faces.statements = Statements::clone(&self.statements);
         let options = write_options(ascii, width)?;
         let format: Format = named(format)?;
         let mesh = self.share();
@@ -325,10 +367,11 @@ fn named_fields(
 fn parts(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
     let MeshFile { mesh, fields, report, .. } = file;
     let faces = fields.faces;
+    let mesh = Mesh { inner: Arc::new(mesh), statements: Arc::new(faces.statements) };
     let of_vertices = named_fields(py, fields.scalars, fields.vectors, fields.colors)?;
     let of_faces = named_fields(py, faces.scalars, faces.vectors, faces.colors)?;
     let texture = faces.texture.map(|texture| rows(py, texture)).transpose()?;
-    Ok((mesh.into(), of_vertices, of_faces, texture, report_dict(py, &report)?))
+    Ok((mesh, of_vertices, of_faces, texture, report_dict(py, &report)?))
 }
 
 fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py, PyDict>> {
@@ -400,7 +443,7 @@ pub(crate) fn polygons(
     Ok(PolygonMesh::new(positions, polygons)?)
 }
 
-/// A mesh from polygons, split into triangles.
+/// A mesh from polygons, split into triangles; it keeps them.
 #[pyfunction]
 fn from_polygons(
     py: Python<'_>,

@@ -6,6 +6,7 @@ import copy
 import gc
 import gzip
 import pickle
+import warnings
 import weakref
 from pathlib import Path
 
@@ -157,11 +158,55 @@ def test_what_is_broken_is_dropped_on_request(tmp_path) -> None:
 def test_polygons() -> None:
     mesh = pf.Mesh.from_polygons(V[[0, 1, 3, 2]], [[0, 1, 2, 3]])
     assert mesh.n_faces == 2
+    assert [own.tolist() for own in mesh.polygons] == [[0, 1, 2, 3]]
+    assert pf.Mesh(V, F).polygons is None
     assert pf.Mesh.from_polygons(V, np.array([[0, 1, 3, 2]])).n_faces == 2
     with pytest.raises(pf.MeshError, match="fewer than three"):
         pf.Mesh.from_polygons(V, [[0, 1]])
     with pytest.raises(pf.MeshError):
         pf.Mesh.from_polygons(V, [[0, 1, -2]])
+
+
+def test_polygons_stay_until_faces_change(tmp_path) -> None:
+    x, y = np.meshgrid(np.arange(6.0), np.arange(5.0))
+    v = np.column_stack([x.ravel(), y.ravel(), np.sin(x + y).ravel()])
+    quads = [[6 * j + i, 6 * j + i + 1, 6 * j + i + 7, 6 * j + i + 6] for j in range(4) for i in range(5)]
+    quads[3:5] = [[3, 4, 5, 11, 10, 9]]
+    part = np.repeat(np.arange(19.0), [2] * 3 + [4] + [2] * 15)
+    mesh = pf.Mesh.from_polygons(v, quads).with_face_fields(part=part)
+    same = [
+        mesh.smooth(iterations=1),
+        mesh.denoise(),
+        mesh.noise(0.1),
+        mesh.with_vertices(2 * v),
+        mesh.with_fields(z=v[:, 2]),
+        pickle.loads(pickle.dumps(mesh.with_vertices(v * [1, 1, -3]))),
+    ]
+    for other in same:
+        assert [own.tolist() for own in other.polygons] == quads
+    assert (same[-1].faces == mesh.faces).all()
+    for name in ("a.ply", "a.obj", "a.off", "a.vtp"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pf.FairingWarning)
+            mesh.write(tmp_path / name)
+            again = pf.read(tmp_path / name)
+        assert [own.tolist() for own in again.polygons] == quads
+        if name[2:] in ("ply", "vtp"):
+            assert (again.face_fields["part"] == mesh.face_fields["part"]).all()
+    with pytest.warns(pf.FairingWarning, match="19 polygons are split into triangles"):
+        mesh.write(tmp_path / "a.stl")
+    assert mesh.subdivide("midpoint").polygons is None
+
+
+def test_statements_of_obj_stay(tmp_path) -> None:
+    lines = ["mtllib a.mtl", *(f"v {x} {y} {z}" for x, y, z in V), "usemtl red", "f 1 2 3", "usemtl blue", "f 1 2 4"]
+    (tmp_path / "a.obj").write_text("\n".join(lines) + "\n")
+    (tmp_path / "a.mtl").write_text("newmtl red\nnewmtl blue\n")
+    mesh = pf.read(tmp_path / "a.obj")
+    for other in (mesh, mesh.with_vertices(2 * V), pickle.loads(pickle.dumps(mesh))):
+        other.write(tmp_path / "b.obj")
+        written = (tmp_path / "b.obj").read_text().splitlines()
+        assert [line for line in written if line[0] not in "v#"] == [lines[0], *lines[5:]]
 
 
 def test_errors_of_files(tmp_path) -> None:

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::incidence::Incidence;
+use crate::polygon::PolygonFaces;
 use crate::topology::Topology;
 
 /// The faces of a mesh and everything derived from faces alone. Meshes that
@@ -11,17 +12,25 @@ use crate::topology::Topology;
 pub struct Connectivity {
     vertex_count: usize,
     faces: Arc<Vec<[u32; 3]>>,
+    /// The polygons that the faces were split from.
+    polygons: Option<PolygonFaces>,
     incidence: OnceLock<Arc<Incidence>>,
     topology: OnceLock<Topology>,
     consistent: OnceLock<bool>,
 }
 
 impl Connectivity {
-    /// Takes faces whose indices and corners have been checked.
-    pub(crate) fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Self {
+    /// Takes faces whose indices and corners have been checked, and the polygons that they were
+    /// split from.
+    pub(crate) fn new(
+        vertex_count: usize,
+        faces: Vec<[u32; 3]>,
+        polygons: Option<PolygonFaces>,
+    ) -> Self {
         Self {
             vertex_count,
             faces: Arc::new(faces),
+            polygons,
             incidence: OnceLock::new(),
             topology: OnceLock::new(),
             consistent: OnceLock::new(),
@@ -36,6 +45,10 @@ impl Connectivity {
     /// The faces, counter-clockwise seen from outside.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    pub(crate) fn polygons(&self) -> Option<&PolygonFaces> {
+        self.polygons.as_ref()
     }
 
     /// The corners at each vertex, computed on first use.

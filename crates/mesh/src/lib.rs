@@ -38,7 +38,7 @@ pub use incidence::Incidence;
 #[doc(hidden)]
 #[cfg(feature = "ndarray")]
 pub use ndarray;
-pub use polygon::PolygonMesh;
+pub use polygon::{PolygonFaces, PolygonMesh};
 pub use repair::{
     OpenHole, OpenReason, RepairError, RepairOptions, RepairStep, Repaired, Tolerance, repair,
     repair_with,

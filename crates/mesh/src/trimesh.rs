@@ -8,10 +8,12 @@ use glam::DVec3;
 use crate::build::{BuildError, check_faces, check_positions};
 use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
+use crate::polygon::{PolygonFaces, PolygonMesh};
 use crate::topology::Topology;
 
 /// A triangle mesh, always valid: indices are in range, coordinates are finite, their extent is
-/// zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
+/// zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner. A mesh split from
+/// polygons [keeps](Self::polygons) them.
 ///
 /// All else is allowed: isolated vertices, faces of zero area, edges with three faces, inconsistent
 /// orientation. Cloning copies positions and shares faces and topology.
@@ -38,7 +40,7 @@ impl TriMesh {
         }
         check_positions(&positions)?;
         check_faces(&faces, count)?;
-        Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
+        Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces, None)) })
     }
 
     /// A mesh from flat lists: three coordinates for each vertex, three indices for each face.
@@ -109,8 +111,61 @@ impl TriMesh {
 
     /// A mesh from parts that satisfy the checks of [`Self::new`].
     pub(crate) fn from_checked(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
-        let connectivity = Arc::new(Connectivity::new(positions.len(), faces));
+        Self::from_polygons_checked(positions, faces, None)
+    }
+
+    /// [`from_checked`](Self::from_checked) with the polygons that the faces were split from.
+    pub(crate) fn from_polygons_checked(
+        positions: Vec<[f64; 3]>,
+        faces: Vec<[u32; 3]>,
+        polygons: Option<PolygonFaces>,
+    ) -> Self {
+        let connectivity = Arc::new(Connectivity::new(positions.len(), faces, polygons));
         Self { positions, connectivity }
+    }
+
+    /// The polygons that the faces were split from, `None` if all are triangles. Meshes that
+    /// differ in positions only share them; files are written with them. A mesh of other faces
+    /// has none.
+    pub fn polygons(&self) -> Option<&PolygonFaces> {
+        self.connectivity.polygons()
+    }
+
+    /// The mesh with the [polygons](Self::polygons) that its faces were split from, or with its
+    /// faces if there are none.
+    pub fn to_polygon_mesh(&self) -> PolygonMesh {
+        let triangles = || PolygonFaces::of_triangles(self.faces());
+        let faces = self.polygons().cloned().unwrap_or_else(triangles);
+        PolygonMesh::of_faces(self.positions.clone(), faces)
+    }
+
+    /// The same triangles as parts of polygons; `None` if they are not what these are
+    /// [split into](PolygonFaces::triangles_of).
+    pub fn with_polygons(self, polygons: PolygonFaces) -> Option<Self> {
+        let count = polygons.corners().len() - 2 * polygons.count();
+        let parts = |f: usize| {
+            let corners = self.faces()[polygons.triangles_of(f)].as_flattened();
+            let [mut found, mut own] = [corners, polygons.face(f)].map(<[u32]>::to_vec);
+            [&mut found, &mut own].into_iter().for_each(|corners| corners.sort_unstable());
+            found.dedup();
+            found == own
+        };
+        let fits = count == self.face_count() && (0..polygons.count()).all(parts);
+        let faces = fits.then(|| self.faces().to_vec())?;
+        let polygons = (polygons.larger() > 0).then_some(polygons);
+        Some(Self::from_polygons_checked(self.positions, faces, polygons))
+    }
+
+    /// The same triangles without the [polygons](Self::polygons) that they were split from.
+    #[must_use]
+    pub fn without_polygons(self) -> Self {
+        match self.polygons() {
+            None => self,
+            Some(_) => {
+                let faces = self.faces().to_vec();
+                Self::from_checked(self.positions, faces)
+            }
+        }
     }
 
     /// The same faces with other positions; topology is shared, not recomputed.
@@ -260,7 +315,7 @@ impl fmt::Debug for TriMesh {
     }
 }
 
-/// Meshes are equal if positions and faces are.
+/// Meshes are equal if positions and triangles are.
 impl PartialEq for TriMesh {
     fn eq(&self, other: &Self) -> bool {
         self.positions == other.positions && self.faces() == other.faces()

@@ -405,10 +405,11 @@ fn faces_are_counted_alike_and_reduced_ones_are_kept() {
         let reduced =
             "4 faces repeat a corner and are reduced to their distinct corners: 1, 2, 3, 4";
         assert!(said.contains(reduced), "{said}");
-        let polygons = io::read_polygons(folder.path().join(name)).unwrap();
-        assert_eq!((polygons.mesh.polygon_count(), polygons.report.file_faces), (5, 5), "{name}");
-        assert_eq!(polygons.mesh.polygon(0), [3, 2, 1, 0]);
-        assert_eq!(polygons.mesh.polygon(3), [2, 3, 4]);
+        let file = io::read(folder.path().join(name)).unwrap();
+        let polygons = file.mesh.polygons().unwrap();
+        assert_eq!((polygons.count(), file.report.file_faces), (5, 5), "{name}");
+        assert_eq!(polygons.face(0), [3, 2, 1, 0]);
+        assert_eq!(polygons.face(3), [2, 3, 4]);
     }
     let said = fairing(folder.path(), "smooth pyramid.obj -o s.obj --method explicit").stderr;
     assert!(String::from_utf8(said).unwrap().contains("pyramid.obj: 4 faces repeat a corner"));

@@ -30,9 +30,7 @@ fn in_shell(folder: &Path, before: &str, line: &str, after: &str) -> Output {
 #[test]
 fn a_full_standard_output_is_an_error() {
     let folder = folder();
-    for line in
-        ["info sphere.ply", "convert sphere.ply -o - --format obj", "info sphere.ply --json"]
-    {
+    for line in ["info sphere.ply", "convert sphere.ply -o - --to obj", "info sphere.ply --json"] {
         let output = in_shell(folder.path(), ":", line, "> /dev/full");
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(4), "{line}: {error}");

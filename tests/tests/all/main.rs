@@ -32,3 +32,4 @@ mod smoothing;
 mod spectra;
 mod spectral_verbs;
 mod ugly_files;
+mod written_back;

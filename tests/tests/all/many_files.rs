@@ -105,12 +105,24 @@ fn standard_streams_hold_a_mesh() {
     let folder = folder();
     run(folder.path(), "smooth sphere.ply -o smooth.ply");
     let bytes = std::fs::read(folder.path().join("sphere.ply")).unwrap();
-    let (smooth, _) = piped(folder.path(), "smooth - -o - --format ply", &bytes);
+    let (smooth, _) = piped(folder.path(), "smooth - -o - --to ply", &bytes);
     assert_eq!(smooth, std::fs::read(folder.path().join("smooth.ply")).unwrap());
     let (info, _) = piped(folder.path(), "info - --json", &smooth);
     assert_eq!(serde_json::from_slice::<Value>(&info).unwrap()["vertices"], 162);
     let (_, said) = piped(folder.path(), "smooth - -o -", &bytes);
-    assert!(said.contains("--format"), "{said}");
+    assert!(said.contains("--to"), "{said}");
+    // The formats of the streams are named apart, and the content of the input decides.
+    for from in ["", "--from ply"] {
+        let line = format!("convert - - --to stl {from}");
+        let (stl, said) = piped(folder.path(), &line, &bytes);
+        assert_eq!(stl.len(), 84 + 50 * 320, "{said}");
+    }
+    let (nothing, said) = piped(folder.path(), "convert - - --from off --to stl", &bytes);
+    assert!(nothing.is_empty() && said.contains("OFF") && said.contains("PLY"), "{said}");
+    // Sources of distances are named by an option of the same name.
+    let line = "geodesic - --from 0 --input-format ply -o - --to ply";
+    let (distances, said) = piped(folder.path(), line, &bytes);
+    assert!(distances.starts_with(b"ply"), "{said}");
 }
 
 /// `info` counts: it does not try repairs, whose time is no longer linear around such a hub.

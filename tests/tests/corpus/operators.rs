@@ -147,7 +147,7 @@ fn plain(folder: &Path) -> Result<(), Failed> {
 
 fn polygons(folder: &Path) -> Result<(), Failed> {
     for name in ["horse_quad.obj", "bunny_poly.ply", "dodecahedron_poly.obj"] {
-        let mesh = io::read_polygons(folder.join("standard").join(name))?.mesh;
+        let mesh = io::read(folder.join("standard").join(name))?.mesh.to_polygon_mesh();
         let found = polygon_laplacian(&mesh).map_err(|e| format!("{name}: {e}"))?;
         let area: f64 = found.lumped_mass.iter().sum();
         let triangles = mesh.triangulate();

@@ -20,8 +20,10 @@ pub(crate) struct Context {
     pub(crate) quiet: bool,
     /// Leave out faces with broken vertices when reading.
     pub(crate) drop_broken: bool,
-    /// The format of the standard streams.
-    pub(crate) format: Option<Format>,
+    /// The format of the standard input, if it is given.
+    pub(crate) from: Option<Format>,
+    /// The format of the standard output.
+    pub(crate) to: Option<Format>,
     /// Progress of the verb, hidden at first.
     pub(crate) bar: ProgressBar,
     /// The watch that Ctrl-C cancels.

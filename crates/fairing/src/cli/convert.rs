@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::io::{
-    self, Encoding, FloatWidth, Format, PolygonFile, Strictness, UnsupportedFields, WriteOptions,
+    Encoding, FloatWidth, Format, MeshFile, Strictness, UnsupportedFields, WriteOptions,
 };
 
 use serde_json::Value;
@@ -70,7 +70,7 @@ impl Convert {
     fn one(&self, context: &Context, input: &Path, output: &Path) -> Result<(), Failure> {
         self.overwrite.check(context, output, Content::Mesh)?;
         let named = Format::from_path(output).map(|named| named.format);
-        let format = named.or(context.format);
+        let format = named.or(context.to);
         if let Some(format) = format {
             self.check(format)?;
         }
@@ -81,8 +81,7 @@ impl Convert {
             }
             reading.strictness = Strictness::Strict;
         }
-        let PolygonFile { mesh, fields, report, .. } =
-            files::read_polygons(context, input, &reading)?;
+        let MeshFile { mut mesh, fields, report, .. } = files::read_with(context, input, &reading)?;
         files::say_report(context, input, &report);
         let mut options = WriteOptions::default();
         if self.ascii {
@@ -94,13 +93,10 @@ impl Convert {
         if !self.strict {
             options.unsupported_fields = UnsupportedFields::Drop;
         }
-        if self.triangulate
-            || format.is_some_and(|format| format.holds().faces && !format.holds().polygons)
-        {
-            let (mesh, fields) = io::triangulate(&mesh, fields);
-            return files::write(context, output, &mesh, &fields, &options);
+        if self.triangulate {
+            mesh = mesh.without_polygons();
         }
-        files::write_polygons(context, output, &mesh, &fields, &options)
+        files::write(context, output, &mesh, &fields, &options).map(drop)
     }
 
     /// Refuses options that the format would ignore.

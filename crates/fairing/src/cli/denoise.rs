@@ -150,8 +150,8 @@ impl Denoise {
             }
             other => other.denoise(masked)?,
         };
-        files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
-        Ok(json)
+        let report = files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
+        Ok(files::with_split(json, &report))
     }
 
     /// A flag for each vertex computed on, true for those that do not move.

@@ -4,12 +4,13 @@ use std::io::{Write, stdin, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use fairing::mesh::TriMesh;
 use fairing::mesh::io::{
-    self, Format, MeshFile, PolygonFile, ReadError, ReadOptions, ReadProblem, ReadReport,
-    VertexFields, WriteError, WriteOptions, WriteProblem, WriteReport,
+    self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
+    WriteError, WriteOptions, WriteProblem, WriteReport,
 };
-use fairing::mesh::{PolygonMesh, TriMesh};
 use fairing::watch;
+use serde_json::Value;
 
 use super::context::{Context, Failure, STDIN, STDOUT};
 use super::inputs::{check_distinct, output_for};
@@ -65,7 +66,7 @@ impl Content {
     fn check(self, path: &Path, stream: Option<Format>) -> Result<(), String> {
         let format = match is_stream(path) {
             true if matches!(self, Self::Lines | Self::Png | Self::Npz) => return Ok(()),
-            true => Some(stream.ok_or("name the format of the standard output: --format")?),
+            true => Some(stream.ok_or("name the format of the standard output: --to")?),
             false => Format::from_path(path).map(|named| named.format),
         };
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
@@ -102,7 +103,7 @@ impl Overwrite {
     ) -> Result<(), Failure> {
         let refused =
             |reason: &str| Failure::output(anyhow::anyhow!("{}: {reason}", path.display()));
-        content.check(path, context.format).map_err(|reason| refused(&reason))?;
+        content.check(path, context.to).map_err(|reason| refused(&reason))?;
         if is_stream(path) {
             return Ok(());
         }
@@ -174,10 +175,18 @@ fn is_stream(path: &Path) -> bool {
 
 /// Reads a mesh with its fields.
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
-    let options = reading(context);
+    read_with(context, path, &reading(context))
+}
+
+/// [`read`] with options.
+pub(crate) fn read_with(
+    context: &Context,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<MeshFile, Failure> {
     let file = match is_stream(path) {
-        true => io::read_from(stdin().lock(), context.format, &options).map_err(in_stdin),
-        false => io::read_with(path, &options),
+        true => io::read_from(stdin().lock(), context.from, options).map_err(in_stdin),
+        false => io::read_with(path, options),
     };
     let file = file.map_err(unreadable)?;
     memory::require_for_mesh(file.mesh.vertex_count())?;
@@ -196,19 +205,6 @@ pub(crate) fn read_surface(context: &Context, path: &Path) -> Result<MeshFile, F
         )));
     }
     Ok(file)
-}
-
-/// Reads a polygon mesh with its fields.
-pub(crate) fn read_polygons(
-    context: &Context,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<PolygonFile, Failure> {
-    let file = match is_stream(path) {
-        true => io::read_polygons_from(stdin().lock(), context.format, options).map_err(in_stdin),
-        false => io::read_polygons_with(path, options),
-    };
-    file.map_err(unreadable)
 }
 
 /// The error of reading the standard input, with its name.
@@ -261,8 +257,8 @@ pub(crate) fn write(
     mesh: &TriMesh,
     fields: &VertexFields,
     options: &WriteOptions,
-) -> Result<(), Failure> {
-    let report = match (is_stream(path), context.format) {
+) -> Result<WriteReport, Failure> {
+    let report = match (is_stream(path), context.to) {
         (true, Some(format)) => {
             let written = io::write_to(stdout().lock(), format, mesh, fields, options);
             written.map_err(|error| WriteError::new(STDOUT, error.problem))
@@ -271,26 +267,7 @@ pub(crate) fn write(
     };
     let report = report.map_err(Failure::output)?;
     say_written(context, path, &report);
-    Ok(())
-}
-
-/// [`write`] for polygons.
-pub(crate) fn write_polygons(
-    context: &Context,
-    path: &Path,
-    mesh: &PolygonMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<(), Failure> {
-    let report = match (is_stream(path), context.format) {
-        (true, Some(format)) => {
-            let written = io::write_polygons_to(stdout().lock(), format, mesh, fields, options);
-            written.map_err(|error| WriteError::new(STDOUT, error.problem))
-        }
-        _ => io::write_polygons(path, mesh, fields, options),
-    };
-    say_written(context, path, &report.map_err(Failure::output)?);
-    Ok(())
+    Ok(report)
 }
 
 /// Prints the properties that the format could not store, if any.
@@ -302,6 +279,14 @@ pub(crate) fn say_written(context: &Context, path: &Path, report: &WriteReport) 
     for note in &report.notes {
         context.note(format_args!("{}: {note}", path.display()));
     }
+}
+
+/// A JSON summary with the number of polygons that the output has as triangles.
+pub(crate) fn with_split(mut summary: Value, report: &WriteReport) -> Value {
+    if let Value::Object(entries) = &mut summary {
+        entries.insert("split_polygons".to_owned(), report.split_polygons.into());
+    }
+    summary
 }
 
 /// Writes bytes, whole or not at all.
@@ -321,7 +306,7 @@ pub(crate) fn write_moved(
     path: &Path,
     mesh: &TriMesh,
     fields: VertexFields,
-) -> Result<(), Failure> {
+) -> Result<WriteReport, Failure> {
     write_held(context, path, mesh, &fields.without_normals())
 }
 
@@ -331,7 +316,7 @@ pub(crate) fn write_held(
     path: &Path,
     mesh: &TriMesh,
     fields: &VertexFields,
-) -> Result<(), Failure> {
+) -> Result<WriteReport, Failure> {
     let options = WriteOptions::default().dropping_fields();
     write(context, path, mesh, fields, &options)
 }

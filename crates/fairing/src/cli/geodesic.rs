@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::evaluation::SurfaceTree;
 use fairing::mesh::TriMesh;
+use fairing::mesh::io::Format;
 use fairing::spectral::{
     GeodesicPath, HeatGeodesics, Isoline, SurfacePoint, geodesic_path, isolines,
 };
@@ -17,6 +18,7 @@ use super::files::{self, Content, OptionalOutput};
 use super::inputs::{Inputs, Summary, check_distinct, output_for};
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
+use super::{INPUT_FORMAT, formats};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -54,6 +56,9 @@ pub(crate) struct Geodesic {
         value_parser = source,
     )]
     from: Vec<Source>,
+    /// Format of the standard input (file name -); --from of the other verbs
+    #[arg(id = INPUT_FORMAT, long = "input-format", value_name = "NAME", value_parser = formats())]
+    input_format: Option<Format>,
     /// Trace the shortest path from these vertices to the nearest source, and print its length
     #[arg(long = "path", value_name = "V,V...", value_delimiter = ',')]
     starts: Vec<u32>,

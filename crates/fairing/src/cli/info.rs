@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use clap::Args;
-use fairing::mesh::io::{PolygonFile, ReadReport, VertexFields};
+use fairing::mesh::io::{MeshFile, ReadReport, VertexFields};
 use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
 use super::files;
 use super::inputs::{Inputs, Summary};
-use super::memory;
 use super::table::{Table, number};
 
 /// Describe a mesh: counts, topology, defects and measures
@@ -45,10 +44,8 @@ impl Info {
     }
 
     fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
-        let PolygonFile { mesh, fields, report, .. } =
-            files::read_polygons(context, input, &files::reading(context))?;
-        let surface = mesh.triangulate();
-        memory::require_for_mesh(surface.vertex_count())?;
+        let MeshFile { mesh: surface, fields, report, .. } = files::read(context, input)?;
+        let mesh = surface.to_polygon_mesh();
         let diagnosis = Diagnosis::new(&surface);
         let (hints, command) = (diagnosis.hints(), repair_command(input, &diagnosis));
         let [of_vertices, of_faces] = names(&fields);

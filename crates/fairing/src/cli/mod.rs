@@ -44,6 +44,10 @@ fn after_help() -> String {
     format!("Formats: {}{AFTER_FORMATS}", Format::ALL.map(Format::name).join(", "))
 }
 
+/// The identifier of the option for the format of the standard input. A verb whose own option is
+/// called `--from` has one of this identifier under another name.
+const INPUT_FORMAT: &str = "input_format";
+
 /// The formats by the extensions of their files.
 fn formats() -> impl TypedValueParser<Value = Format> {
     let names = Format::ALL
@@ -65,7 +69,8 @@ Examples:
   fairing info bunny.ply
   fairing repair scan.stl -o clean.ply
   fairing curvature bunny.ply -o curved.ply
-  fairing smooth scan.obj -o smooth.obj --method implicit --lambda 5";
+  fairing smooth scan.obj -o smooth.obj --method implicit --lambda 5
+  curl … | fairing convert - - --to stl | fairing info -";
 
 /// Geometry processing on triangle meshes with the Laplacian.
 #[derive(Parser)]
@@ -81,9 +86,24 @@ struct Cli {
     /// their indices and take the position of the first valid vertex
     #[arg(long, global = true)]
     drop_broken: bool,
-    /// Format of standard input and output (file name -)
-    #[arg(long, global = true, value_name = "NAME", value_parser = formats())]
-    format: Option<Format>,
+    /// Format of the standard input (file name -), where its content leaves a doubt
+    #[arg(
+        id = INPUT_FORMAT,
+        long = "from",
+        global = true,
+        value_name = "NAME",
+        value_parser = formats(),
+    )]
+    from: Option<Format>,
+    /// Format of the standard output (file name -)
+    #[arg(
+        long,
+        alias = "format",
+        global = true,
+        value_name = "NAME",
+        value_parser = formats(),
+    )]
+    to: Option<Format>,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -140,7 +160,8 @@ pub(crate) fn main() -> ExitCode {
     let context = Context {
         quiet: cli.quiet,
         drop_broken: cli.drop_broken,
-        format: cli.format,
+        from: cli.from,
+        to: cli.to,
         bar: ProgressBar::hidden(),
         watch: Watch::new(),
         file: None,

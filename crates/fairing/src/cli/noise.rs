@@ -155,6 +155,6 @@ impl Noise {
             "sigma = {} in units of the file",
             number(level.in_mesh_units(mesh))
         ));
-        files::write_moved(context, &output, &surface.own(noisy)?, fields)
+        files::write_moved(context, &output, &surface.own(noisy)?, fields).map(drop)
     }
 }

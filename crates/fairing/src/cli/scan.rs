@@ -103,13 +103,13 @@ impl Scan {
             files::write_held(context, truth, &seen.mesh, &fields)?;
         }
         let Some(sigma) = self.sigma else {
-            return files::write_held(context, &output, &seen.mesh, &fields);
+            return files::write_held(context, &output, &seen.mesh, &fields).map(drop);
         };
         let level = self.unit.level(sigma);
         let kind = kind.with_camera(seen.camera).unwrap_or(kind);
         let noisy = add_noise(&seen.mesh, kind, level, self.seed)?;
         let sigma = number(level.in_mesh_units(&seen.mesh));
         context.note(format_args!("sigma = {sigma} in units of the file"));
-        files::write_held(context, &output, &noisy, &fields)
+        files::write_held(context, &output, &noisy, &fields).map(drop)
     }
 }

@@ -55,8 +55,8 @@ Examples:
 
 /// Smooth a mesh by a flow, by a filter or by fairing a region
 ///
-/// Moves the vertices and keeps the faces. Vertex properties are kept, except normals,
-/// which do not fit the moved vertices. The guide below helps to choose a method.
+/// Moves the vertices and keeps the faces, polygons and materials of the file included. Vertex
+/// properties are kept, except normals, which do not fit the moved vertices. The guide below helps to choose a method.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Smooth {
@@ -141,8 +141,8 @@ impl Smooth {
         smoothed.mesh = keep_others(mesh, smoothed.mesh, selected.as_deref())?;
         self.say(context, &smoothed.report);
         let summary = self.summarise(context, &method, &surface, &smoothed);
-        files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)?;
-        Ok(summary)
+        let report = files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)?;
+        Ok(files::with_split(summary, &report))
     }
 
     /// The method with its parameters; vertices in them are numbered as in the file. Vertices that

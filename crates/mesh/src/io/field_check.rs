@@ -4,7 +4,6 @@ use crate::TriMesh;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::ply::columns::{Column, Layout, face_names, field_names, vertex_names};
-use crate::io::surface::{Faces, Surface};
 use crate::io::{FaceFields, Format, NumberType, VertexFields};
 
 /// The elements that fields belong to, in the plural and the singular of messages.
@@ -14,17 +13,19 @@ type Elements = (&'static str, &'static str);
 pub(crate) fn check(
     fields: &VertexFields,
     vertices: usize,
-    faces: Faces<'_>,
+    faces: usize,
 ) -> Result<(), WriteProblem> {
     check_values(fields.into(), vertices, ("vertices", "vertex"))?;
     check_names(fields.into(), vertex_names(fields), 0, Layout::of_vertices)?;
     let of_faces = &fields.faces;
-    check_values(of_faces.into(), faces.len(), ("faces", "face"))?;
+    check_values(of_faces.into(), faces, ("faces", "face"))?;
     if let Some(texture) = &of_faces.texture {
-        let corners = (0..faces.len()).map(|f| faces.face(f).len()).sum();
         let elements = ("corners", "corner");
-        check_length("of texture coordinates", texture.len(), corners, elements)?;
+        check_length("of texture coordinates", texture.len(), 3 * faces, elements)?;
         check_finite("of texture coordinates", texture.as_flattened(), 2, elements)?;
+    }
+    if let Some(found) = of_faces.statements.faces() {
+        check_length("of statements", found, faces, ("faces", "face"))?;
     }
     let names = face_names(of_faces);
     let lists = names.len() - field_names(of_faces.into()).len();
@@ -123,14 +124,9 @@ fn check_names(
 /// The names of what a file of a format cannot hold of a mesh: fields, colours, and faces where it
 /// holds points only.
 pub fn unsupported(format: Format, mesh: &TriMesh, fields: &VertexFields) -> Vec<String> {
-    not_held(format, Surface::triangles(mesh, fields))
-}
-
-/// The fields that a format cannot hold, and faces if it holds points only.
-pub(crate) fn not_held(format: Format, surface: Surface<'_>) -> Vec<String> {
-    let (holds, fields) = (format.holds(), surface.fields);
+    let holds = format.holds();
     let mut unsupported = Vec::new();
-    if !holds.faces && surface.faces.len() > 0 {
+    if !holds.faces && mesh.face_count() > 0 {
         unsupported.push("faces".to_owned());
     }
     if !holds.fields {

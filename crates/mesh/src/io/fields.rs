@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::io::NumberType;
+use crate::io::{NumberType, Statements};
 
 /// Named fields and colours with one value per vertex, in vertex order, and those of
 /// faces beside them.
@@ -41,6 +41,8 @@ pub struct FaceFields {
     pub types: BTreeMap<String, NumberType>,
     /// Texture coordinates of each corner of each face in turn.
     pub texture: Option<Vec<[f64; 2]>>,
+    /// Objects, groups and materials of an OBJ file.
+    pub statements: Statements,
 }
 
 impl PartialEq for VertexFields {
@@ -58,6 +60,7 @@ impl PartialEq for FaceFields {
             && self.vectors == other.vectors
             && self.colors == other.colors
             && self.texture == other.texture
+            && self.statements == other.statements
     }
 }
 
@@ -137,12 +140,21 @@ impl VertexFields {
 }
 
 impl FaceFields {
-    /// Returns true if there are no fields, colours or texture coordinates.
+    /// Returns true if there are no fields, colours, texture coordinates or statements.
     pub fn is_empty(&self) -> bool {
         self.scalars.is_empty()
             && self.vectors.is_empty()
             && self.colors.is_none()
             && self.texture.is_none()
+            && self.statements.is_empty()
+    }
+
+    /// Returns true if two faces have the same values, texture coordinates aside.
+    pub(crate) fn agree(&self, a: usize, b: usize) -> bool {
+        self.scalars.iter().all(|(_, values)| values[a] == values[b])
+            && self.vectors.iter().all(|(_, values)| values[a] == values[b])
+            && self.colors.iter().all(|colors| colors[a] == colors[b])
+            && self.statements.agree(a, b)
     }
 
     /// The fields of other faces: face `k` of the result has the values of face `of[k]`,
@@ -162,6 +174,7 @@ impl FaceFields {
             colors: self.colors.as_ref().map(|colors| select(colors, of)),
             types: self.types.clone(),
             texture: self.texture.as_ref().map(|all| corners.into_iter().map(|k| all[k]).collect()),
+            statements: self.statements.selected(of),
         }
     }
 }
@@ -183,7 +196,7 @@ impl Columns {
 
     pub(crate) fn of_faces(self) -> FaceFields {
         let Self { scalars, vectors, colors, types } = self;
-        FaceFields { scalars, vectors, colors, types, texture: None }
+        FaceFields { scalars, vectors, colors, types, ..FaceFields::default() }
     }
 }
 

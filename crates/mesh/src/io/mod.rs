@@ -8,7 +8,8 @@
 //! Rules for content that a mesh cannot hold:
 //!
 //! - Polygons are split by [`PolygonMesh::triangulate`](crate::PolygonMesh::triangulate)
-//!   and counted in the [report](ReadReport). [`read_polygons`] keeps them.
+//!   and counted in the [report](ReadReport). The mesh [keeps](crate::TriMesh::polygons) them, and
+//!   formats that hold polygons get them back.
 //! - Faces that repeat a corner, common in exported quads, are reduced to
 //!   their distinct corners; faces with fewer than three of these have no area
 //!   and are left out. The report lists both; [strict](Strictness::Strict)
@@ -19,8 +20,8 @@
 //!   (−0 = 0) become one vertex, in order of first appearance.
 //! - Vertex and face properties of PLY, VTP, GLB, PCD and XYZ, colours and normals of vertices and
 //!   texture coordinates of corners of OBJ, and colours and normals of OFF become
-//!   [`VertexFields`]. All other content (materials, cameras, …) is ignored and named in the
-//!   report.
+//!   [`VertexFields`]; objects, groups and materials of OBJ become [`Statements`]. All other content
+//!   (materials of GLB, cameras, …) is ignored and named in the report.
 //! - GLB is one mesh: the meshes of its scene, transformed by their nodes. PCD and XYZ have no
 //!   faces.
 //!
@@ -85,20 +86,17 @@ pub use field_check::unsupported;
 pub use fields::{FaceFields, VertexFields};
 pub use format::{Format, NamedFormat};
 pub use number_type::NumberType;
+pub use obj::Statements;
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFields, WriteOptions};
-pub use read::{
-    MeshFile, PolygonFile, read, read_bytes, read_from, read_polygons, read_polygons_from,
-    read_polygons_with, read_with,
-};
+pub use read::{MeshFile, read, read_bytes, read_from, read_with};
 pub use report::{ReadReport, WriteReport};
 pub use row::Holds;
-pub use triangulate::triangulate;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use whole::{check_writable, discard_unfinished, write_whole};
-pub use write::{to_bytes, write_polygons_to, write_to};
+pub use write::{to_bytes, write_to};
 #[cfg(feature = "files")]
-pub use write::{write, write_polygons, write_with_fields};
+pub use write::{write, write_with_fields};
 
 #[cfg(all(test, feature = "files"))]
 mod tests;

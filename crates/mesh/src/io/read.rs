@@ -9,17 +9,18 @@ use crate::build::check_positions;
 use crate::io::error::Fault;
 use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
+use crate::io::triangulate::triangulate;
 use crate::io::{
-    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields, triangulate,
+    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields,
 };
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
 
-/// A triangle mesh from a file, with its fields.
+/// A mesh from a file, with its fields.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MeshFile {
-    /// The mesh, its polygons split into triangles.
+    /// The mesh, its polygons split into triangles; it [keeps](TriMesh::polygons) them.
     pub mesh: TriMesh,
     /// Fields and colours of vertices and faces.
     pub fields: VertexFields,
@@ -27,20 +28,7 @@ pub struct MeshFile {
     pub report: ReadReport,
 }
 
-/// A polygon mesh from a file, with its fields.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct PolygonFile {
-    /// The mesh, with the polygons of the file.
-    pub mesh: PolygonMesh,
-    /// Fields and colours of vertices and faces.
-    pub fields: VertexFields,
-    /// The format, counts, and content that was changed or left out.
-    pub report: ReadReport,
-}
-
-/// Reads a triangle mesh; polygons are split as in
-/// [`PolygonMesh::triangulate`].
+/// Reads a mesh; polygons are split as in [`PolygonMesh::triangulate`].
 ///
 /// # Errors
 ///
@@ -57,37 +45,11 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 /// As for [`read`].
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
-    let parse = |bytes: Vec<u8>| named_triangles(path, &bytes, options);
+    let parse = |bytes: Vec<u8>| as_named(path, &bytes, options);
     load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a polygon mesh.
-///
-/// # Errors
-///
-/// As for [`read`].
-pub fn read_polygons(path: impl AsRef<Path>) -> Result<PolygonFile, ReadError> {
-    read_polygons_with(path, &ReadOptions::default())
-}
-
-/// [`read_polygons`] with options.
-///
-/// # Errors
-///
-/// As for [`read`].
-pub fn read_polygons_with(
-    path: impl AsRef<Path>,
-    options: &ReadOptions,
-) -> Result<PolygonFile, ReadError> {
-    let path = path.as_ref();
-    let parse = |bytes: Vec<u8>| {
-        let (format, bytes) = as_named(path, &bytes)?;
-        polygons(format, bytes, options)
-    };
-    load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
-}
-
-/// Reads a triangle mesh from the bytes of a file. The extension of `name` counts as
+/// Reads a mesh from the bytes of a file. The extension of `name` counts as
 /// that of the file, and errors contain `name`; it may be empty.
 ///
 /// # Errors
@@ -99,15 +61,10 @@ pub fn read_bytes(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     let name = name.as_ref();
-    named_triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
+    as_named(name, bytes, options).map_err(|fault| fault.in_file(name))
 }
 
-fn named_triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
-    let (format, bytes) = as_named(name, bytes)?;
-    triangles(format, bytes, options)
-}
-
-/// Reads a triangle mesh from a stream up to its end: a file, a response, an
+/// Reads a mesh from a stream up to its end: a file, a response, an
 /// archive member, standard input. Gzip is recognised by content, and so is
 /// the format if none is given.
 ///
@@ -131,22 +88,7 @@ pub fn read_from(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     drained(stream, 0, options)
-        .and_then(|bytes| triangles(format, &bytes, options))
-        .map_err(|fault| fault.in_file(Path::new("")))
-}
-
-/// [`read_from`] for polygons.
-///
-/// # Errors
-///
-/// As for [`read_from`].
-pub fn read_polygons_from(
-    stream: impl Read,
-    format: Option<Format>,
-    options: &ReadOptions,
-) -> Result<PolygonFile, ReadError> {
-    drained(stream, 0, options)
-        .and_then(|bytes| polygons(format, &bytes, options))
+        .and_then(|bytes| parsed(format, &bytes, options))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
@@ -167,9 +109,9 @@ fn load(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// The format by name and the bytes of the file. Fails if the name ends in `.gz` and the content is
-/// not compressed.
-fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8]), Fault> {
+/// The mesh in the bytes of a file of this name. Fails if the name ends in `.gz` and the content
+/// is not compressed.
+fn as_named(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
     let named = Format::from_path(path);
     if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {
         return Err(Fault::whole(ReadProblem::OtherKind {
@@ -177,7 +119,7 @@ fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8
             content: "not".to_owned(),
         }));
     }
-    Ok((named.map(|named| named.format), bytes))
+    parsed(named.map(|named| named.format), bytes, options)
 }
 
 /// The bytes of a stream, up to the limit, with their expected number.
@@ -194,30 +136,7 @@ fn drained(stream: impl Read, expected: u64, options: &ReadOptions) -> Result<Ve
     }
 }
 
-fn polygons(
-    format: Option<Format>,
-    bytes: &[u8],
-    options: &ReadOptions,
-) -> Result<PolygonFile, Fault> {
-    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
-    let mesh = PolygonMesh::from_checked(positions, polygons);
-    Ok(PolygonFile { mesh, fields, report })
-}
-
-fn triangles(
-    format: Option<Format>,
-    bytes: &[u8],
-    options: &ReadOptions,
-) -> Result<MeshFile, Fault> {
-    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
-    let (mesh, fields) = match polygons {
-        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields),
-        mixed => triangulate(&PolygonMesh::from_checked(positions, mixed), fields),
-    };
-    Ok(MeshFile { mesh, fields, report })
-}
-
-fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+fn parsed(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
     fairing_watch::stage("reading", 0);
     let compressed = is_gzip(bytes);
     let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
@@ -236,10 +155,14 @@ fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
     if mark > 0 {
         parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
     }
-    let finished = parsed.finish(format, compressed, options)?;
-    let sound = check_positions(&finished.positions);
-    sound.map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
-    Ok(finished)
+    let Finished { positions, polygons, fields, report } =
+        parsed.finish(format, compressed, options)?;
+    check_positions(&positions).map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
+    let (mesh, fields) = match polygons {
+        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields),
+        mixed => triangulate(PolygonMesh::from_checked(positions, mixed), fields),
+    };
+    Ok(MeshFile { mesh, fields, report })
 }
 
 /// The content after the byte-order mark that some editors put before UTF-8 text. The first three

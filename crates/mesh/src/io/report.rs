@@ -20,8 +20,8 @@ pub struct ReadReport {
     pub vertices: usize,
     /// The number of faces in the file, of any size, including faces left out.
     pub file_faces: usize,
-    /// The number of faces of more than three corners; [`read`](super::read) splits
-    /// them into triangles.
+    /// The number of faces of more than three corners, which the mesh
+    /// [keeps](crate::TriMesh::polygons) beside its triangles.
     pub polygons: usize,
     /// The number of faces that repeat a corner and are reduced to their distinct
     /// corners, in order of first appearance.
@@ -121,6 +121,8 @@ pub struct WriteReport {
     pub bytes: usize,
     /// The fields left out, which [`UnsupportedFields::Drop`](super::UnsupportedFields) allows.
     pub dropped: Vec<String>,
+    /// The number of faces of more than three corners that were written as triangles.
+    pub split_polygons: usize,
     /// Other content that the format cannot hold: the order of vertices, isolated
     /// vertices, digits.
     pub notes: Vec<String>,

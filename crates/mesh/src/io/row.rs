@@ -39,6 +39,8 @@ pub struct Holds {
     pub face_fields: bool,
     /// Texture coordinates of the corners of faces.
     pub texture: bool,
+    /// Objects, groups and materials of faces.
+    pub statements: bool,
     /// Both encodings; a format without them is always text.
     pub binary: bool,
     /// Numbers of 32 and of 64 bits, as [`FloatWidth`](crate::io::FloatWidth) says.
@@ -55,6 +57,7 @@ impl Holds {
         fields: false,
         face_fields: false,
         texture: false,
+        statements: false,
         binary: false,
         float_widths: false,
     };

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::PolygonFaces;
 use crate::io::VertexFields;
 use crate::io::number::put_integer;
-use crate::{PolygonMesh, TriMesh};
 
 /// A mesh to encode, with its fields.
 #[derive(Clone, Copy)]
@@ -14,28 +14,18 @@ pub(crate) struct Surface<'a> {
     pub(crate) fields: &'a VertexFields,
 }
 
-impl<'a> Surface<'a> {
-    pub(crate) fn triangles(mesh: &'a TriMesh, fields: &'a VertexFields) -> Self {
-        Self { positions: mesh.positions(), faces: Faces::Triangles(mesh.faces()), fields }
-    }
-
-    pub(crate) fn polygons(mesh: &'a PolygonMesh, fields: &'a VertexFields) -> Self {
-        Self { positions: mesh.positions(), faces: Faces::Polygons(mesh), fields }
-    }
-}
-
 /// Triangles or polygons.
 #[derive(Clone, Copy)]
 pub(crate) enum Faces<'a> {
     Triangles(&'a [[u32; 3]]),
-    Polygons(&'a PolygonMesh),
+    Polygons(&'a PolygonFaces),
 }
 
 impl<'a> Faces<'a> {
     pub(crate) fn len(self) -> usize {
         match self {
             Self::Triangles(faces) => faces.len(),
-            Self::Polygons(mesh) => mesh.polygon_count(),
+            Self::Polygons(faces) => faces.count(),
         }
     }
 
@@ -43,7 +33,7 @@ impl<'a> Faces<'a> {
     pub(crate) fn face(self, face: usize) -> &'a [u32] {
         match self {
             Self::Triangles(faces) => &faces[face],
-            Self::Polygons(mesh) => mesh.polygon(face),
+            Self::Polygons(faces) => faces.face(face),
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Writing files, bytes and streams; nothing is lost in silence.
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
+use crate::TriMesh;
 use crate::io::error::{WriteError, WriteProblem};
 use crate::io::field_check;
 use crate::io::surface::{Encoded, Faces, Surface};
+use crate::io::triangulate::of_polygons;
 use crate::io::{Format, UnsupportedFields, VertexFields, WriteOptions, WriteReport};
-use crate::{PolygonMesh, TriMesh};
 
 /// Writes a mesh in the format of the file extension, binary if the format allows
 /// it, compressed if `.gz` follows.
@@ -15,6 +17,9 @@ use crate::{PolygonMesh, TriMesh};
 /// Atomic: the file is written under a temporary name in the same folder and
 /// renamed. An existing file is replaced; a symbolic link stays, and its target is
 /// replaced.
+///
+/// A mesh that keeps [polygons](TriMesh::polygons) is written with them if the format holds any;
+/// STL and GLB get the triangles, and the report says so.
 ///
 /// Coordinates are lossless: the shortest text that reads back as the same `f64`, or
 /// [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless) in PLY. Only STL and GLB round,
@@ -47,36 +52,16 @@ pub fn write_with_fields(
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<WriteReport, WriteError> {
-    write_surface(path.as_ref(), Surface::triangles(mesh, fields), options)
-}
-
-/// [`write_with_fields`] for polygons. STL does not hold them.
-///
-/// # Errors
-///
-/// As for [`write_with_fields`].
-#[cfg(feature = "files")]
-pub fn write_polygons(
-    path: impl AsRef<Path>,
-    mesh: &PolygonMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
-    write_surface(path.as_ref(), Surface::polygons(mesh, fields), options)
-}
-
-#[cfg(feature = "files")]
-fn write_surface(
-    path: &Path,
-    surface: Surface<'_>,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
     use flate2::{Compression, write::GzEncoder};
 
     fairing_watch::stage("writing", 0);
+    let path = path.as_ref();
     let attempt = || {
         let named = Format::from_path(path).ok_or_else(WriteProblem::unknown_extension)?;
-        let (pieces, report) = encode(named.format, surface, options)?;
+        let (pieces, mut report) = encode(named.format, mesh, fields, options)?;
+        if named.format.holds().statements {
+            report.notes.extend(missing_libraries(path, &fields.faces.statements.libraries));
+        }
         crate::io::write_whole(path, |file| {
             if named.gzip {
                 let mut encoder = GzEncoder::new(file, Compression::default());
@@ -91,6 +76,22 @@ fn write_surface(
     attempt().map_err(|problem| WriteError::new(path, problem))
 }
 
+/// A note for each file of materials that is not where a reader of the file at `path` looks.
+#[cfg(feature = "files")]
+fn missing_libraries(path: &Path, libraries: &[Vec<u8>]) -> Vec<String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let names = libraries.iter().map(|name| String::from_utf8_lossy(name));
+    // A line names one file, with spaces perhaps, or several.
+    let is_found = |line: &str| {
+        let exists = |name: &str| folder.join(name).exists();
+        exists(line) || line.split_ascii_whitespace().all(exists)
+    };
+    let missing = names.filter(|line| !is_found(line));
+    missing
+        .map(|line| format!("its materials are looked for in {line}, which is not there"))
+        .collect()
+}
+
 /// The bytes of an uncompressed file.
 ///
 /// # Errors
@@ -102,7 +103,7 @@ pub fn to_bytes(
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, WriteError> {
-    let encoded = encode(format, Surface::triangles(mesh, fields), options);
+    let encoded = encode(format, mesh, fields, options);
     let (pieces, _) = encoded.map_err(|problem| WriteError::new(Path::new(""), problem))?;
     Ok(pieces.concat())
 }
@@ -130,38 +131,14 @@ pub fn to_bytes(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_to(
-    stream: impl Write,
+    mut stream: impl Write,
     format: Format,
     mesh: &TriMesh,
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<WriteReport, WriteError> {
-    stream_out(stream, format, Surface::triangles(mesh, fields), options)
-}
-
-/// [`write_to`] for polygons. STL does not hold them.
-///
-/// # Errors
-///
-/// As for [`write_to`].
-pub fn write_polygons_to(
-    stream: impl Write,
-    format: Format,
-    mesh: &PolygonMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
-    stream_out(stream, format, Surface::polygons(mesh, fields), options)
-}
-
-fn stream_out(
-    mut stream: impl Write,
-    format: Format,
-    surface: Surface<'_>,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
     let mut attempt = || {
-        let (pieces, report) = encode(format, surface, options)?;
+        let (pieces, report) = encode(format, mesh, fields, options)?;
         pieces.iter().try_for_each(|piece| stream.write_all(piece))?;
         stream.flush()?;
         Ok(report)
@@ -172,23 +149,42 @@ fn stream_out(
 /// The bytes of a file, in pieces, with the report.
 fn encode(
     format: Format,
-    surface: Surface<'_>,
+    mesh: &TriMesh,
+    fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
-    field_check::check(surface.fields, surface.positions.len(), surface.faces)?;
-    let unsupported = field_check::not_held(format, surface);
+    field_check::check(fields, mesh.vertex_count(), mesh.face_count())?;
+    let unsupported = field_check::unsupported(format, mesh, fields);
     if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
         let (format, fields) = (format.name(), unsupported);
         return Err(WriteProblem::UnsupportedFields { format, fields });
     }
-    if let Faces::Polygons(_) = surface.faces
-        && format.holds().faces
-        && !format.holds().polygons
-    {
-        let what = "polygons: triangulate the mesh first".to_owned();
-        return Err(WriteProblem::UnsupportedMesh { format: format.name(), what });
+    let holds = format.holds();
+    let (mut faces, mut of_faces) = (Faces::Triangles(mesh.faces()), Cow::Borrowed(fields));
+    let (mut split_polygons, mut split) = (0, vec![]);
+    if let Some(polygons) = mesh.polygons().filter(|_| holds.faces) {
+        let why = match of_polygons(polygons, mesh.faces(), &fields.faces) {
+            _ if !holds.polygons => Some(format!("{} holds triangles only", format.name())),
+            Err(f) => Some(format!("the triangles of polygon {f} have different values")),
+            Ok(own) => {
+                faces = Faces::Polygons(polygons);
+                if !own.is_empty() {
+                    of_faces.to_mut().faces = own;
+                }
+                None
+            }
+        };
+        if let Some(why) = why {
+            split_polygons = polygons.larger();
+            split.push(format!("{split_polygons} polygons are split into triangles: {why}"));
+        }
     }
-    let Encoded { pieces, notes } = (format.row().encode)(surface, options)?;
+    let surface = Surface { positions: mesh.positions(), faces, fields: &of_faces };
+    let Encoded { pieces, mut notes } = (format.row().encode)(surface, options)?;
+    notes.append(&mut split);
+    if let Some(lost) = fields.faces.statements.lost().filter(|_| !holds.statements) {
+        notes.push(format!("{} holds no {lost}: left out", format.name()));
+    }
     let bytes = pieces.iter().map(Vec::len).sum();
-    Ok((pieces, WriteReport { format, bytes, dropped: unsupported, notes }))
+    Ok((pieces, WriteReport { format, bytes, dropped: unsupported, split_polygons, notes }))
 }

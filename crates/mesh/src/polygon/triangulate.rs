@@ -29,29 +29,30 @@ impl PolygonMesh {
     /// `½ Σ pₖ × pₖ₊₁`, by more than rounding (10⁻¹⁰ of the product of its
     /// sides). Straight corners do not count as convex, since a fan around one
     /// may have triangles without area.
+    ///
+    /// The result [keeps](TriMesh::polygons) the polygons.
     pub fn triangulate(&self) -> TriMesh {
-        TriMesh::from_checked(self.positions.clone(), triangles(self, |vertex, _| vertex))
+        self.clone().split().0
     }
 
     /// [`triangulate`](Self::triangulate) with the place of the corners of each triangle among
     /// those of all polygons in turn.
-    #[cfg(feature = "io")]
-    pub(crate) fn triangulate_corners(&self) -> (TriMesh, Vec<[usize; 3]>) {
-        let corners = triangles(self, |_, place| place);
-        let vertices = |corners: &[usize; 3]| corners.map(|k| self.corners[k]);
+    pub(crate) fn split(self) -> (TriMesh, Vec<[usize; 3]>) {
+        let corners = triangles(&self);
+        let vertices = |corners: &[usize; 3]| corners.map(|k| self.faces.corners[k]);
         let faces = corners.iter().map(vertices).collect();
-        (TriMesh::from_checked(self.positions.clone(), faces), corners)
+        let polygons = (self.faces.larger() > 0).then_some(self.faces);
+        (TriMesh::from_polygons_checked(self.positions, faces, polygons), corners)
     }
 }
 
-/// The triangles in the order of the polygons; `corner` gets a vertex and its place among the
-/// corners of all polygons.
-fn triangles<T>(mesh: &PolygonMesh, corner: impl Fn(u32, usize) -> T) -> Vec<[T; 3]> {
+/// The triangles in the order of the polygons, as places among the corners of all polygons.
+fn triangles(mesh: &PolygonMesh) -> Vec<[usize; 3]> {
     let count = mesh.polygons().map(|polygon| polygon.len() - 2).sum();
     let mut triangles = Vec::with_capacity(count);
     let mut start = 0;
     for polygon in mesh.polygons() {
-        let corner = |k: usize| corner(polygon[k], start + k);
+        let corner = |k: usize| start + k;
         if polygon.len() == 3 {
             triangles.push([0, 1, 2].map(corner));
         } else {

@@ -6,6 +6,7 @@ use crate::io::error::{ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 use crate::io::obj::indices::Indices;
 use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
+use crate::io::obj::statements::{Stated, keyword, one_line};
 use crate::io::parsed::{Broken, NO_VERTEX, check_finite};
 use crate::io::text::shown;
 use crate::polygon::Polygons;
@@ -23,6 +24,7 @@ pub(super) struct Chunk {
     pub(super) texture_of: Indices,
     pub(super) normal_of: Indices,
     pub(super) polygons: Polygons,
+    pub(super) stated: Vec<Stated>,
     /// Corners with relative indices, and the index from the first vertex of the
     /// piece; from that of the file once resolved.
     relative: Vec<(usize, i64)>,
@@ -37,7 +39,6 @@ pub(super) struct Chunk {
 /// The number of ignored statements of each kind.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Counts {
-    groups: usize,
     depths: usize,
     lines: usize,
     points: usize,
@@ -50,7 +51,6 @@ pub(super) struct Counts {
 
 impl Counts {
     pub(super) fn add(&mut self, other: &Self) {
-        self.groups += other.groups;
         self.depths += other.depths;
         self.lines += other.lines;
         self.points += other.points;
@@ -64,14 +64,11 @@ impl Counts {
     pub(super) fn notes(&self) -> Vec<String> {
         let ignored =
             |count: usize, what: &str| (count > 0).then(|| format!("{count} {what} are ignored"));
-        let groups =
-            (self.groups > 1).then(|| format!("{} objects and groups are one mesh", self.groups));
         [
-            groups,
             ignored(self.depths, "third texture coordinates"),
             ignored(self.lines, "line elements"),
             ignored(self.points, "point elements"),
-            ignored(self.materials, "material and rendering statements"),
+            ignored(self.materials, "rendering statements"),
             ignored(self.curves, "statements about curves and free-form surfaces"),
         ]
         .into_iter()
@@ -135,18 +132,24 @@ impl Chunk {
                 counts.depths += usize::from(w != 0.0);
             }
             b"vn" => self.normals.push(numbers(text, after, 3)),
-            b"o" | b"g" => counts.groups += 1,
+            b"mtllib" => self.state(text, after, None),
+            b"o" | b"g" | b"usemtl" | b"s" => {
+                self.state(text, after, keyword(word));
+            }
             b"l" => counts.lines += 1,
             b"p" => counts.points += 1,
-            b"s" => {}
-            b"mtllib" | b"usemtl" | b"usemap" | b"maplib" | b"bevel" | b"c_interp"
-            | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"mg" => {
-                counts.materials += 1;
-            }
+            b"usemap" | b"maplib" | b"bevel" | b"c_interp" | b"d_interp" | b"lod"
+            | b"shadow_obj" | b"trace_obj" | b"mg" => counts.materials += 1,
             word if is_keyword(word) => counts.curves += 1,
             word => return Err((at, unexpected("an OBJ statement", shown(word)))),
         }
         Ok(next_statement(text, after))
+    }
+
+    /// Keeps the rest of a statement about the faces after it.
+    fn state(&mut self, text: &[u8], at: usize, keyword: Option<usize>) {
+        let value = one_line(&text[at..next_statement(text, at)]);
+        self.stated.push((self.polygons.len(), keyword, value));
     }
 
     #[inline]

@@ -1,5 +1,8 @@
-//! Wavefront OBJ: vertices, faces, texture coordinates and normals; other statements are counted
-//! and reported.
+//! Wavefront OBJ: vertices, faces, texture coordinates, normals and the statements about faces;
+//! others are counted and reported.
+//!
+//! Objects, groups, materials and smoothing groups belong to faces, and are written back; the
+//! files of materials are named, not read.
 //!
 //! Texture coordinates belong to the corners of faces, normals to vertices: those of a vertex
 //! must be the same at all its corners.
@@ -12,6 +15,7 @@ mod chunk;
 mod corners;
 mod indices;
 mod scan;
+mod statements;
 
 use std::collections::HashMap;
 
@@ -26,6 +30,7 @@ use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::text::normalized;
 use crate::polygon::Polygons;
 use chunk::{Chunk, Counts};
+pub use statements::Statements;
 
 pub(super) const FORMAT: Row = Row {
     name: "OBJ",
@@ -33,7 +38,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode,
-    holds: Holds { texture: true, ..Holds::TEXT },
+    holds: Holds { texture: true, statements: true, ..Holds::TEXT },
 };
 
 /// The size of the pieces that are parsed independently; fixed, so that results
@@ -104,6 +109,8 @@ fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, 
     keep_colors(&mut parsed, &chunks, &counts);
     corners::keep_texture(&mut parsed, &chunks);
     corners::keep_normals(&mut parsed, &chunks);
+    let pieces = chunks.iter().map(|chunk| (chunk.polygons.len(), &chunk.stated[..]));
+    parsed.fields.faces.statements = Statements::of_pieces(pieces);
     Ok(parsed)
 }
 
@@ -155,19 +162,25 @@ fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
     Fault::whole(ReadProblem::IndexOutOfRange { face: 0, index: -1, vertex_count: vertices as u64 })
 }
 
-/// `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `vt` and `vn`; `f` with indices
-/// from 1.
+/// `mtllib`; `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `vt` and `vn`; `f` with
+/// indices from 1, below the statements that change at the face.
 fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
     let Surface { positions, faces, fields } = surface;
     let colors = fields.colors.as_deref();
-    let mut pieces = lines(positions.len(), 64, |v, text| {
+    let statements = &fields.faces.statements;
+    let mut libraries = vec![];
+    for library in &statements.libraries {
+        statements::write_line(b"mtllib", library, &mut libraries);
+    }
+    let mut pieces = vec![libraries];
+    pieces.extend(lines(positions.len(), 64, |v, text| {
         text.push(b'v');
         put_triple(text, positions[v]);
         if let Some(colors) = colors {
             put_triple(text, colors[v].map(|c| f64::from(c) / 255.0));
         }
         text.push(b'\n');
-    });
+    }));
     let texture = fields.faces.texture.as_deref().map(distinct);
     let (values, texture_of) = texture.unwrap_or_default();
     pieces.extend(lines(values.len(), 40, |k, text| {
@@ -190,6 +203,7 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
             .collect();
     }
     pieces.extend(lines(faces.len(), 26, |f, text| {
+        statements.write_before(f, text);
         text.push(b'f');
         for (k, &v) in faces.face(f).iter().enumerate() {
             text.push(b' ');

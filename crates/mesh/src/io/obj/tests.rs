@@ -1,5 +1,5 @@
 use super::*;
-use crate::io::Place;
+use crate::io::{Format, Place, ReadOptions, read_bytes, to_bytes, write_to};
 
 fn parsed(text: &str) -> Parsed {
     parse(text.as_bytes(), Broken::Refused).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
@@ -64,7 +64,7 @@ fn vertices_keep_their_order_and_isolated_ones() {
     assert_eq!(parsed.positions.len(), 5);
     assert_eq!(parsed.positions[4], [7.0; 3]);
     assert_eq!(parsed.polygons, Polygons::Triangles(vec![[3, 2, 1]]));
-    assert_eq!(parsed.notes, ["3 objects and groups are one mesh"]);
+    assert!(parsed.notes.is_empty());
 }
 
 #[test]
@@ -102,12 +102,44 @@ fn other_statements_are_counted() {
         [
             "1 line elements are ignored",
             "1 point elements are ignored",
-            "2 material and rendering statements are ignored",
             "1 statements about curves and free-form surfaces are ignored",
             "1 texture coordinates are ignored",
             "2 vertex normals are ignored",
         ]
     );
+}
+
+/// A face has the names stated last before it, whatever the pieces are, and they are written back.
+#[test]
+fn statements_belong_to_the_faces_after_them() {
+    let text = format!(
+        "mtllib a b.mtl\n{SQUARE}f 1 2 3\no part\ng left side\nusemtl r\u{f6}t # red\nf 1 2 3\n\
+         f 1 3 4\ng\ns off\nusemtl \\\nblue\nf 1 2 3 4\nusemtl r\u{f6}t # red\nf 2 3 4\ng unused\n"
+    );
+    let red = Some("r\u{f6}t # red".as_bytes());
+    let whole = parsed(&text).fields.faces.statements;
+    for size in 1..text.len() {
+        let parsed = parse_in_chunks(text.as_bytes(), size, Broken::Refused).unwrap();
+        assert_eq!(parsed.fields.faces.statements, whole, "{size}");
+    }
+    let names = |keyword| [0, 1, 2, 3, 4].map(|f| whole.name(keyword, f));
+    assert_eq!(whole.libraries, [b"a b.mtl"]);
+    assert_eq!(names("o"), [None, Some(b"part"), Some(b"part"), Some(b"part"), Some(b"part")]);
+    let left = Some(&b"left side"[..]);
+    assert_eq!(names("g"), [None, left, left, Some(b""), Some(b"")]);
+    assert_eq!(names("usemtl"), [None, red, red, Some(b"blue"), red]);
+    assert_eq!(names("s"), [None, None, None, Some(b"off"), Some(b"off")]);
+    let read = |bytes: &[u8]| read_bytes("a.obj", bytes, &ReadOptions::strict()).unwrap();
+    let file = read(text.as_bytes());
+    let written = to_bytes(Format::Obj, &file.mesh, &file.fields, &WriteOptions::default());
+    let again = read(&written.unwrap());
+    assert_eq!(again.fields.faces.statements, file.fields.faces.statements);
+    assert_eq!(again.mesh.polygons(), file.mesh.polygons());
+    // Other formats say what they lack.
+    let mut bytes = vec![];
+    let report = write_to(&mut bytes, Format::Ply, &file.mesh, &file.fields, &Default::default());
+    let lost = "PLY holds no objects, groups, materials, smoothing groups: left out";
+    assert_eq!(report.unwrap().notes, [lost]);
 }
 
 /// Relative indices too, and whatever the pieces are.

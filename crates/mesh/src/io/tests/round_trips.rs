@@ -6,8 +6,7 @@ use proptest::sample::{Index, subsequence};
 
 use crate::io::{
     Encoding, FaceFields, FloatWidth, Format, NumberType, ReadOptions, VertexFields, WriteOptions,
-    read, read_bytes, read_polygons, read_polygons_from, to_bytes, triangulate, write_polygons,
-    write_polygons_to,
+    read, read_bytes, to_bytes, write, write_to, write_with_fields,
 };
 use crate::{PolygonMesh, TriMesh};
 
@@ -80,7 +79,7 @@ fn face_fields(faces: usize, corners: usize) -> impl Strategy<Value = FaceFields
         0 => FaceFields::default(),
         _ => {
             let VertexFields { scalars, vectors, colors, types, .. } = fields;
-            FaceFields { scalars, vectors, colors, types, texture }
+            FaceFields { scalars, vectors, colors, types, texture, ..FaceFields::default() }
         }
     })
 }
@@ -197,19 +196,19 @@ proptest! {
             let path = folder.path().join(&name);
             let fields = VertexFields::default();
             for options in [WriteOptions::default(), WriteOptions::ascii()] {
-                let report = write_polygons(&path, &mesh, &fields, &options).unwrap();
+                let split = mesh.triangulate();
+                let report = write_with_fields(&path, &split, &fields, &options).unwrap();
+                prop_assert_eq!(report.split_polygons, 0);
                 if !name.ends_with(".gz") {
-                    let mut bytes = vec![];
-                    let (format, fields) = (report.format, &fields);
-                    write_polygons_to(&mut bytes, format, &mesh, fields, &options).unwrap();
+                    let bytes = to_bytes(report.format, &split, &fields, &options).unwrap();
                     prop_assert_eq!(std::fs::read(&path).unwrap(), bytes);
                 }
-                let file = read_polygons(&path).unwrap();
-                prop_assert_eq!(&file.mesh, &mesh);
-                let split = read(&path).unwrap();
-                prop_assert_eq!(split.mesh, mesh.triangulate());
+                let file = read(&path).unwrap();
+                prop_assert_eq!(&file.mesh.to_polygon_mesh(), &mesh);
+                prop_assert_eq!(&file.mesh, &split);
                 let larger = mesh.polygons().filter(|polygon| polygon.len() > 3).count();
-                prop_assert_eq!(split.report.polygons, larger);
+                prop_assert_eq!(file.report.polygons, larger);
+                prop_assert_eq!(file.mesh.polygons().is_some(), larger > 0);
             }
         }
     }
@@ -224,8 +223,8 @@ fn polygons_of_more_than_a_byte_of_corners_are_held() {
     let mesh = PolygonMesh::new(circle, [(0..300).collect::<Vec<u32>>(), vec![0, 2, 1]]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply");
-    write_polygons(&path, &mesh, &VertexFields::default(), &WriteOptions::default()).unwrap();
-    assert_eq!(read_polygons(&path).unwrap().mesh, mesh);
+    write(&path, &mesh.triangulate()).unwrap();
+    assert_eq!(read(&path).unwrap().mesh.to_polygon_mesh(), mesh);
 }
 
 /// A PLY file with properties of every type and texture coordinates, on triangles or larger
@@ -296,12 +295,51 @@ fn face_properties_follow_their_faces() {
     assert_eq!(faces.scalars[3].1, [100.0, 100.0, 300.0]);
     let texture: Vec<f64> = faces.texture.iter().flatten().map(|uv| uv[0]).collect();
     assert_eq!(texture, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0, 0.0, 2.0, 3.0]);
-    let polygons = read_polygons_from(&file[..], None, &options).unwrap();
-    assert_eq!(polygons.fields.faces.scalars[3].1, [100.0, 300.0]);
-    let (mut written, options_of_file) = (vec![], WriteOptions::default());
-    let (mesh, fields) = (&polygons.mesh, &polygons.fields);
-    write_polygons_to(&mut written, Format::Ply, mesh, fields, &options_of_file).unwrap();
-    let again = read_polygons_from(&written[..], None, &options).unwrap();
-    assert_eq!((&again.mesh, &again.fields), (&polygons.mesh, &polygons.fields));
-    assert_eq!(triangulate(&again.mesh, again.fields), (read.mesh, read.fields));
+    // They are written with their polygons, and read back alike.
+    let bytes = to_bytes(Format::Ply, &read.mesh, &read.fields, &WriteOptions::default()).unwrap();
+    let again = read_bytes("a.ply", &bytes, &options).unwrap();
+    assert_eq!((&again.mesh, &again.fields), (&read.mesh, &read.fields));
+    assert_eq!(again.mesh.polygons(), read.mesh.polygons());
+    assert_eq!(again.mesh.polygons().unwrap().offsets(), [0, 4, 7]);
+    // A value for half a polygon is not lost: the triangles are written.
+    let mut halved = read.fields.clone();
+    halved.faces.scalars[3].1[1] = 7.0;
+    let mut bytes = vec![];
+    let (format, options_of_file) = (Format::Ply, WriteOptions::default());
+    let report = write_to(&mut bytes, format, &read.mesh, &halved, &options_of_file).unwrap();
+    assert_eq!(report.split_polygons, 1);
+    assert!(report.notes[0].contains("polygon 0"), "{:?}", report.notes);
+    let again = read_bytes("a.ply", &bytes, &options).unwrap();
+    assert_eq!((again.mesh.polygons(), again.fields), (None, halved));
+}
+
+/// Polygons stay through changes of positions, in every format that holds them, with the values
+/// and texture coordinates of their corners where there are any; the others say that they split.
+#[test]
+fn moved_meshes_are_written_with_their_polygons() {
+    let file = typed("ascii", &[&[0, 1, 2, 3], &[4, 3, 2], &[0, 4, 1, 2]]);
+    let read = |name: &str, bytes: &[u8]| read_bytes(name, bytes, &ReadOptions::strict()).unwrap();
+    let first = read("a.ply", &file);
+    let moved = first.mesh.positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
+    let moved = first.mesh.with_positions(moved).unwrap();
+    let options = WriteOptions::default().dropping_fields();
+    for format in Format::ALL.into_iter().filter(|format| format.holds().faces) {
+        let mut bytes = vec![];
+        let report = write_to(&mut bytes, format, &moved, &first.fields, &options).unwrap();
+        let again = read("", &bytes);
+        if !format.holds().polygons {
+            assert_eq!((report.split_polygons, again.mesh.face_count()), (2, 5), "{format}");
+            let note = "2 polygons are split into triangles";
+            assert!(report.notes.iter().any(|found| found.starts_with(note)), "{report:?}");
+            continue;
+        }
+        assert_eq!(again.mesh.polygons(), first.mesh.polygons(), "{format}");
+        assert_eq!(again.mesh.positions(), moved.positions(), "{format}");
+        if format.holds().face_fields {
+            assert_eq!(again.fields.faces.scalars, first.fields.faces.scalars, "{format}");
+        }
+        if format.holds().texture {
+            assert_eq!(again.fields.faces.texture, first.fields.faces.texture, "{format}");
+        }
+    }
 }
