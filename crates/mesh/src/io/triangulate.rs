@@ -10,13 +10,25 @@ use crate::{PolygonMesh, TriMesh};
 ///
 /// If a field of faces has not one value per polygon, or texture coordinates not one per
 /// corner.
-pub fn triangulate(mesh: &PolygonMesh, mut fields: VertexFields) -> (TriMesh, VertexFields) {
-    if fields.faces.is_empty() {
-        return (mesh.triangulate(), fields);
-    }
-    let (triangles, corners) = mesh.triangulate_corners();
-    let of: Vec<usize> =
-        mesh.polygons().enumerate().flat_map(|(f, face)| vec![f; face.len() - 2]).collect();
-    fields.faces = fields.faces.selected(&of, corners.into_iter().flatten());
+pub fn triangulate(mesh: &PolygonMesh, fields: VertexFields) -> (TriMesh, VertexFields) {
+    let (triangles, fields, _) = split(mesh, fields);
     (triangles, fields)
+}
+
+/// [`triangulate`] with a note if polygons cross themselves.
+pub(crate) fn split(
+    mesh: &PolygonMesh,
+    mut fields: VertexFields,
+) -> (TriMesh, VertexFields, Option<String>) {
+    let (triangles, corners, crossing) = mesh.triangulate_corners();
+    if !fields.faces.is_empty() {
+        let of: Vec<usize> =
+            mesh.polygons().enumerate().flat_map(|(f, face)| vec![f; face.len() - 2]).collect();
+        fields.faces = fields.faces.selected(&of, corners.into_iter().flatten());
+    }
+    let note = crossing.first().map(|face| {
+        let count = crossing.len();
+        format!("face {face} crosses itself or has no area: its triangles may overlap ({count} such faces)")
+    });
+    (triangles, fields, note)
 }
