@@ -9,8 +9,9 @@ use crate::build::check_positions;
 use crate::io::error::Fault;
 use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
+use crate::io::triangulate::split;
 use crate::io::{
-    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields, triangulate,
+    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields, glb,
 };
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
@@ -57,7 +58,10 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 /// As for [`read`].
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
-    let parse = |bytes: Vec<u8>| named_triangles(path, &bytes, options);
+    let parse = |bytes: Vec<u8>| {
+        let (format, bytes) = as_named(path, &bytes)?;
+        triangles(format, bytes, options, path.parent())
+    };
     load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
@@ -82,7 +86,7 @@ pub fn read_polygons_with(
     let path = path.as_ref();
     let parse = |bytes: Vec<u8>| {
         let (format, bytes) = as_named(path, &bytes)?;
-        polygons(format, bytes, options)
+        polygons(format, bytes, options, path.parent())
     };
     load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
@@ -99,12 +103,9 @@ pub fn read_bytes(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     let name = name.as_ref();
-    named_triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
-}
-
-fn named_triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
-    let (format, bytes) = as_named(name, bytes)?;
-    triangles(format, bytes, options)
+    as_named(name, bytes)
+        .and_then(|(format, bytes)| triangles(format, bytes, options, None))
+        .map_err(|fault| fault.in_file(name))
 }
 
 /// Reads a triangle mesh from a stream up to its end: a file, a response, an
@@ -131,7 +132,7 @@ pub fn read_from(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     drained(stream, 0, options)
-        .and_then(|bytes| triangles(format, &bytes, options))
+        .and_then(|bytes| triangles(format, &bytes, options, None))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
@@ -146,7 +147,7 @@ pub fn read_polygons_from(
     options: &ReadOptions,
 ) -> Result<PolygonFile, ReadError> {
     drained(stream, 0, options)
-        .and_then(|bytes| polygons(format, &bytes, options))
+        .and_then(|bytes| polygons(format, &bytes, options, None))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
@@ -198,8 +199,10 @@ fn polygons(
     format: Option<Format>,
     bytes: &[u8],
     options: &ReadOptions,
+    folder: Option<&Path>,
 ) -> Result<PolygonFile, Fault> {
-    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
+    let Finished { positions, polygons, fields, report } =
+        finished(format, bytes, options, folder)?;
     let mesh = PolygonMesh::from_checked(positions, polygons);
     Ok(PolygonFile { mesh, fields, report })
 }
@@ -208,16 +211,25 @@ fn triangles(
     format: Option<Format>,
     bytes: &[u8],
     options: &ReadOptions,
+    folder: Option<&Path>,
 ) -> Result<MeshFile, Fault> {
-    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
-    let (mesh, fields) = match polygons {
-        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields),
-        mixed => triangulate(&PolygonMesh::from_checked(positions, mixed), fields),
+    let Finished { positions, polygons, fields, mut report } =
+        finished(format, bytes, options, folder)?;
+    let (mesh, fields, note) = match polygons {
+        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields, None),
+        mixed => split(&PolygonMesh::from_checked(positions, mixed), fields),
     };
+    report.notes.extend(note);
     Ok(MeshFile { mesh, fields, report })
 }
 
-fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+/// Parses and checks a file; `folder` holds the files that it names.
+fn finished(
+    named: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+    folder: Option<&Path>,
+) -> Result<Finished, Fault> {
     fairing_watch::stage("reading", 0);
     let compressed = is_gzip(bytes);
     let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
@@ -230,7 +242,13 @@ fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
         Strictness::DropBroken => Broken::Kept,
         Strictness::Lenient | Strictness::Strict => Broken::Refused,
     };
-    let parsed = (format.row().parse)(body, broken);
+    let parsed = match format {
+        Format::Glb => {
+            let beside = glb::Beside { folder, max_bytes: options.max_bytes };
+            glb::parse(body, broken, beside)
+        }
+        _ => (format.row().parse)(body, broken),
+    };
     let mark = bytes.len() - body.len();
     let mut parsed = parsed.map_err(|fault| fault.moved(mark))?;
     if mark > 0 {

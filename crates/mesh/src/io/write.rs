@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use crate::io::arrays::as_properties;
 use crate::io::error::{WriteError, WriteProblem};
 use crate::io::field_check;
 use crate::io::surface::{Encoded, Faces, Surface};
@@ -39,7 +40,7 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 /// # Errors
 ///
 /// As for [`write()`], and for a field of the wrong length, with a value that is not
-/// finite, or with a name that would not be read back as the same.
+/// finite, or with a name that is empty or another field's.
 #[cfg(feature = "files")]
 pub fn write_with_fields(
     path: impl AsRef<Path>,
@@ -188,7 +189,14 @@ fn encode(
         let what = "polygons: triangulate the mesh first".to_owned();
         return Err(WriteProblem::UnsupportedMesh { format: format.name(), what });
     }
-    let Encoded { pieces, notes } = (format.row().encode)(surface, options)?;
+    let renamed = match format {
+        Format::Ply | Format::Pcd | Format::Xyz => as_properties(surface.fields),
+        _ => None,
+    };
+    let fields = renamed.as_ref().map_or(surface.fields, |(fields, _)| fields);
+    let encoded = (format.row().encode)(Surface { fields, ..surface }, options)?;
+    let Encoded { pieces, mut notes } = encoded;
+    notes.extend(renamed.into_iter().flat_map(|(_, notes)| notes));
     let bytes = pieces.iter().map(Vec::len).sum();
     Ok((pieces, WriteReport { format, bytes, dropped: unsupported, notes }))
 }
