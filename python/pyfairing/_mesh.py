@@ -470,7 +470,7 @@ def read(
     Parameters
     ----------
     path : str or path
-        An OBJ, PLY, OFF, STL, VTP, GLB, PCD or XYZ file, plain or compressed with gzip; content and file
+        An OBJ, PLY, OFF, STL, VTP, GLB (or glTF), PCD or XYZ file, plain or compressed with gzip; content and file
         extension decide. PCD and XYZ files have no faces.
     strict : bool
         Raise an error instead of leaving out content with a warning, such as faces that repeat a

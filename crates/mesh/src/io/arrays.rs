@@ -1,10 +1,10 @@
-//! Named arrays of numbers as fields, for formats in which names are free.
+//! Names of fields: free in some formats, those of properties in others.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use crate::io::NumberType;
-use crate::io::fields::Columns;
-use crate::io::ply::columns::{COLORS, component_names, vector_name};
+use crate::io::fields::{Attributes, Columns};
+use crate::io::ply::columns::{COLORS, INDICES, TEXTURE, component_names, vector_name};
+use crate::io::{NumberType, VertexFields};
 
 /// The most numbers per element of an array that become fields.
 pub(crate) const MAX_COMPONENTS: usize = 16;
@@ -22,49 +22,81 @@ pub(crate) struct NamedArray {
 /// Arrays of one component as scalars, of three as vectors, and of other numbers as scalars
 /// `name_0`, `name_1`, …
 ///
-/// Names that a mesh could not be written with are changed, which the notes tell: all fields of
-/// a file can be written to PLY. `taken` are names that they must not have.
+/// Names that are empty, repeated or have control characters are changed, which the notes tell.
 pub(crate) fn columns(
     arrays: Vec<NamedArray>,
     colors: Option<Vec<[u8; 3]>>,
-    taken: &[&str],
     notes: &mut Vec<String>,
 ) -> Columns {
-    let mut names = Names::new(taken, colors.is_some());
+    let mut names = Names::default();
     let (mut scalars, mut vectors, mut types) = (vec![], vec![], BTreeMap::new());
     for NamedArray { name, kind, components, values } in arrays {
-        let mut keep = |sound: &str| {
-            if let Some(kind) = kind {
-                types.insert(sound.to_owned(), kind);
-            }
+        let mut named = |wanted: &str| {
+            let base = wanted.replace(|c: char| c.is_ascii_control(), "_");
+            let name = names.changed(wanted, base, |names, name| !names.has(name), notes);
+            names.taken.insert(name.clone());
+            types.extend(kind.map(|kind| (name.clone(), kind)));
+            name
         };
         match components {
-            1 => {
-                let name = names.scalar(&name, notes);
-                keep(&name);
-                scalars.push((name, values));
-            }
-            3 => {
-                let name = names.vector(&name, notes);
-                keep(&name);
-                vectors.push((name, values.as_chunks().0.to_vec()));
-            }
-            _ => {
-                for k in 0..components {
-                    let name = names.scalar(&format!("{name}_{k}"), notes);
-                    keep(&name);
-                    let values = values.iter().skip(k).step_by(components).copied();
-                    scalars.push((name, values.collect()));
-                }
-            }
+            1 => scalars.push((named(&name), values)),
+            3 => vectors.push((named(&name), values.as_chunks().0.to_vec())),
+            _ => scalars.extend((0..components).map(|k| {
+                let values = values.iter().skip(k).step_by(components).copied();
+                (named(&format!("{name}_{k}")), values.collect())
+            })),
         }
     }
     Columns { scalars, vectors, colors, types }
 }
 
-/// Names under which fields are read back from PLY as they were written.
+/// The fields under names that PLY, PCD and XYZ read back as they were written, with a note for
+/// each changed name; `None` if all names are so.
+pub(crate) fn as_properties(fields: &VertexFields) -> Option<(VertexFields, Vec<String>)> {
+    let mut notes = vec![];
+    let of_vertices = property_names(fields.into(), &["x", "y", "z"], &mut notes);
+    let taken = [INDICES[0], INDICES[1], TEXTURE];
+    let of_faces = property_names((&fields.faces).into(), &taken, &mut notes);
+    if notes.is_empty() {
+        return None;
+    }
+    let mut renamed = fields.clone();
+    let VertexFields { scalars, vectors, types, faces, .. } = &mut renamed;
+    rename(of_vertices, scalars, vectors, types);
+    rename(of_faces, &mut faces.scalars, &mut faces.vectors, &mut faces.types);
+    Some((renamed, notes))
+}
+
+/// Names for the scalars and then the vectors.
+fn property_names(fields: Attributes<'_>, taken: &[&str], notes: &mut Vec<String>) -> Vec<String> {
+    let colors = COLORS.iter().filter(|_| fields.colors.is_some());
+    let taken = taken.iter().chain(colors).map(|&name| name.to_owned()).collect();
+    let mut names = Names { taken, ..Names::default() };
+    let is_byte = |name: &str| fields.types.get(name) == Some(&NumberType::U8);
+    let scalars = fields.scalars.iter().map(|(name, _)| names.scalar(name, is_byte, notes));
+    let mut all: Vec<String> = scalars.collect();
+    all.extend(fields.vectors.iter().map(|(name, _)| names.vector(name, notes)));
+    all
+}
+
+fn rename(
+    names: Vec<String>,
+    scalars: &mut [(String, Vec<f64>)],
+    vectors: &mut [(String, Vec<[f64; 3]>)],
+    types: &mut BTreeMap<String, NumberType>,
+) {
+    let kept = types.clone();
+    let own = scalars.iter_mut().map(|(name, _)| name);
+    for (own, name) in own.chain(vectors.iter_mut().map(|(name, _)| name)).zip(names) {
+        types.extend(kept.get(own).map(|&kind| (name.clone(), kind)));
+        *own = name;
+    }
+}
+
+/// Names that are taken.
+#[derive(Default)]
 struct Names {
-    /// The names of properties.
+    /// The names of fields or properties.
     taken: HashSet<String>,
     /// The number to try next, by the beginning of the name.
     next: HashMap<String, usize>,
@@ -73,22 +105,22 @@ struct Names {
 }
 
 impl Names {
-    fn new(taken: &[&str], colors: bool) -> Self {
-        let colors = COLORS.iter().filter(|_| colors);
-        let taken = taken.iter().chain(colors).map(|&name| name.to_owned()).collect();
-        Self { taken, next: HashMap::new(), last: vec![] }
-    }
-
-    fn scalar(&mut self, wanted: &str, notes: &mut Vec<String>) -> String {
+    fn scalar(
+        &mut self,
+        wanted: &str,
+        is_byte: impl Fn(&str) -> bool,
+        notes: &mut Vec<String>,
+    ) -> String {
+        let wanted_is_byte = is_byte(wanted);
         let sound = |names: &Self, name: &str| {
             let last = names.last.iter().rev().take(2).rev().map(|name| &name[..]);
             let triple: Vec<&str> = last.chain([name]).collect();
-            let is_part = COLORS.contains(&name);
-            let completes =
-                is_part && COLORS.iter().all(|&color| color == name || names.has(color));
+            let is_part = wanted_is_byte && COLORS.contains(&name);
+            let is_other = |color: &str| names.has(color) && is_byte(color);
+            let completes = is_part && COLORS.iter().all(|&c| c == name || is_other(c));
             !names.has(name) && vector_name(&triple).is_none() && !completes
         };
-        let name = self.changed(wanted, sound, notes);
+        let name = self.changed(wanted, without_space(wanted), sound, notes);
         self.taken.insert(name.clone());
         self.last.push(name.clone());
         name
@@ -98,7 +130,7 @@ impl Names {
         let sound = |names: &Self, name: &str| {
             component_names(name).iter().all(|component| !names.has(component))
         };
-        let name = self.changed(wanted, sound, notes);
+        let name = self.changed(wanted, without_space(wanted), sound, notes);
         self.taken.extend(component_names(&name));
         name
     }
@@ -107,15 +139,14 @@ impl Names {
         self.taken.contains(name)
     }
 
-    /// The name without white space, with a number if it is not sound.
+    /// The name `base`, with a number if it is not sound.
     fn changed(
         &mut self,
         wanted: &str,
+        base: String,
         sound: impl Fn(&Self, &str) -> bool,
         notes: &mut Vec<String>,
     ) -> String {
-        let unsound = |c: char| c.is_ascii_whitespace() || c.is_ascii_control();
-        let base = wanted.replace(unsound, "_");
         let base = if base.is_empty() { "field".to_owned() } else { base };
         let mut name = base.clone();
         while !sound(self, &name) {
@@ -128,4 +159,8 @@ impl Names {
         }
         name
     }
+}
+
+fn without_space(name: &str) -> String {
+    name.replace(|c: char| c.is_ascii_whitespace(), "_")
 }

@@ -73,7 +73,7 @@ pub enum ReadProblem {
     UnknownKind {
         /// The names of the known formats.
         known: Vec<&'static str>,
-        /// The beginning of the content.
+        /// The kind of the content, or its beginning.
         found: String,
     },
     /// The format requires other content here.
@@ -152,9 +152,7 @@ impl Fault {
 
     /// A problem on the line of a text that holds byte `offset`.
     pub(crate) fn on_line(text: &[u8], offset: usize, problem: ReadProblem) -> Self {
-        let before = &text[..offset.min(text.len())];
-        let line = before.iter().filter(|&&b| b == b'\n').count() as u64 + 1;
-        Self { at: Place::Line(line), problem }
+        Self { at: Place::Line(line_of(text, offset)), problem }
     }
 
     pub(crate) fn at_byte(offset: usize, problem: ReadProblem) -> Self {
@@ -186,6 +184,12 @@ impl From<io::Error> for Fault {
     fn from(error: io::Error) -> Self {
         Self::whole(ReadProblem::Io(error))
     }
+}
+
+/// The number of the line of byte `offset`, from 1.
+pub(crate) fn line_of(text: &[u8], offset: usize) -> u64 {
+    let before = &text[..offset.min(text.len())];
+    before.iter().filter(|&&b| b == b'\n').count() as u64 + 1
 }
 
 /// Shorthand for [`ReadProblem::Unexpected`].
@@ -264,8 +268,7 @@ pub enum WriteProblem {
         /// The value.
         value: f64,
     },
-    /// The name of a field is empty, contains white space, or would not be read back
-    /// as the same.
+    /// The name of a field is empty, has control characters, or is that of another one.
     #[error("field name {name:?}: {reason}")]
     FieldName {
         /// The name.

@@ -3,8 +3,7 @@
 use crate::TriMesh;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
-use crate::io::ply::columns::{Column, Layout, face_names, field_names, vertex_names};
-use crate::io::{FaceFields, Format, NumberType, VertexFields};
+use crate::io::{FaceFields, Format, VertexFields};
 
 /// The elements that fields belong to, in the plural and the singular of messages.
 type Elements = (&'static str, &'static str);
@@ -16,7 +15,7 @@ pub(crate) fn check(
     faces: usize,
 ) -> Result<(), WriteProblem> {
     check_values(fields.into(), vertices, ("vertices", "vertex"))?;
-    check_names(fields.into(), vertex_names(fields), 0, Layout::of_vertices)?;
+    check_names(fields.into())?;
     let of_faces = &fields.faces;
     check_values(of_faces.into(), faces, ("faces", "face"))?;
     if let Some(texture) = &of_faces.texture {
@@ -27,9 +26,7 @@ pub(crate) fn check(
     if let Some(found) = of_faces.statements.faces() {
         check_length("of statements", found, faces, ("faces", "face"))?;
     }
-    let names = face_names(of_faces);
-    let lists = names.len() - field_names(of_faces.into()).len();
-    check_names(of_faces.into(), names, lists, Layout::of_faces)
+    check_names(of_faces.into())
 }
 
 fn check_values(
@@ -80,43 +77,20 @@ fn check_finite(
     }
 }
 
-/// Checks that the reader of PLY would group the names of properties as they are. Other
-/// formats hold other names, but every mesh that can be written should fit into PLY. The
-/// first `lists` names are those of lists, which are not grouped.
-fn check_names(
-    fields: Attributes<'_>,
-    names: Vec<String>,
-    lists: usize,
-    layout: fn(&[Column<'_>]) -> Layout,
-) -> Result<(), WriteProblem> {
+/// Checks that names are visible and belong to one scalar and one vector at most.
+fn check_names(fields: Attributes<'_>) -> Result<(), WriteProblem> {
     let bad = |name: &str, reason| Err(WriteProblem::FieldName { name: name.to_owned(), reason });
-    let own = fields.scalars.iter().map(|(name, _)| name);
-    for name in own.chain(fields.vectors.iter().map(|(name, _)| name)) {
-        if name.is_empty() || name.bytes().any(|b| b.is_ascii_whitespace() || b.is_ascii_control())
-        {
-            return bad(name, "empty, or with white space or control characters");
+    let scalars: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
+    let vectors: Vec<&str> = fields.vectors.iter().map(|(name, _)| &name[..]).collect();
+    for mut names in [scalars, vectors] {
+        let odd = |name: &&&str| name.is_empty() || name.bytes().any(|b| b.is_ascii_control());
+        if let Some(name) = names.iter().find(odd) {
+            return bad(name, "empty, or with control characters");
         }
-    }
-    let mut sorted: Vec<&String> = names.iter().collect();
-    sorted.sort_unstable();
-    if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        return bad(pair[0], "two properties of this name");
-    }
-    let bytes_from = names.len() - if fields.colors.is_some() { 3 } else { 0 };
-    let columns: Vec<Column<'_>> = names
-        .iter()
-        .enumerate()
-        .map(|(k, name)| {
-            let is_byte = k >= bytes_from || fields.types.get(name) == Some(&NumberType::U8);
-            Column { name, is_byte }
-        })
-        .collect();
-    let layout = layout(&columns[lists..]);
-    let scalars = layout.scalars.iter().map(|(name, _)| name);
-    if !scalars.eq(fields.scalars.iter().map(|(name, _)| name)) {
-        let name = layout.vectors.iter().map(|(name, _)| name);
-        let name = name.into_iter().find(|&n| !fields.vectors.iter().any(|(own, _)| own == n));
-        return bad(name.map_or("", |name| name), "scalars would be read back as a vector");
+        names.sort_unstable();
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return bad(pair[0], "two fields of this name");
+        }
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
 use crate::io::row::{Holds, Row};
-use crate::io::{glb, obj, off, pcd, ply, stl, vtp, xyz};
+use crate::io::{foreign, glb, obj, off, pcd, ply, stl, vtp, xyz};
 
 /// Makes the enum of formats from the table.
 macro_rules! formats {
@@ -110,13 +110,14 @@ impl Format {
         match (named, Self::from_content(bytes)) {
             (Some(name), Some(content)) if name != content => other(name, content.name()),
             (_, Some(content)) => Ok(content),
-            (Some(name), None) => match foreign_kind(bytes) {
-                Some(kind) => other(name, kind),
+            (Some(name), None) => match foreign::kind(bytes) {
+                Some(kind) => other(name, &kind),
                 None => Ok(name),
             },
             (None, None) => {
                 let known = Self::ALL.map(Self::name).to_vec();
-                Err(Fault::whole(ReadProblem::UnknownKind { known, found: beginning(bytes) }))
+                let found = foreign::kind(bytes).unwrap_or_else(|| beginning(bytes));
+                Err(Fault::whole(ReadProblem::UnknownKind { known, found }))
             }
         }
     }
@@ -128,25 +129,6 @@ impl WriteProblem {
         let known = Format::ALL.map(|format| format.extensions()[0]).to_vec();
         Self::UnknownExtension { known }
     }
-}
-
-/// Kinds of file that are often given a mesh's name by mistake.
-fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const MAGIC: [(&[u8], &str); 12] = [
-        (b"\x89PNG", "a PNG image"),
-        (b"\xff\xd8\xff", "a JPEG image"),
-        (b"GIF8", "a GIF image"),
-        (b"%PDF", "a PDF document"),
-        (b"PK\x03\x04", "a ZIP archive"),
-        (b"\xfd7zXZ", "xz-compressed"),
-        (b"BZh", "bzip2-compressed"),
-        (b"\x28\xb5\x2f\xfd", "zstd-compressed"),
-        (b"\xff\xfe", "UTF-16 text"),
-        (b"\xfe\xff", "UTF-16 text"),
-        (b"<", "HTML or XML"),
-        (b"version https://git-lfs", "a Git LFS pointer"),
-    ];
-    MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|&(_, kind)| kind)
 }
 
 /// The first bytes, for an error message.

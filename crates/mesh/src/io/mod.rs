@@ -22,8 +22,10 @@
 //!   texture coordinates of corners of OBJ, and colours and normals of OFF become
 //!   [`VertexFields`]; objects, groups and materials of OBJ become [`Statements`]. All other content
 //!   (materials of GLB, cameras, …) is ignored and named in the report.
-//! - GLB is one mesh: the meshes of its scene, transformed by their nodes. PCD and XYZ have no
-//!   faces.
+//! - Names of properties have a meaning in PLY, PCD and XYZ (`x`, `red`, `normal_x`, …), so a field
+//!   of such a name is written under another one, which the report names.
+//! - GLB is one mesh: the meshes of its scene, transformed by their nodes. glTF in JSON is read
+//!   too, with its buffers in it or beside it. PCD and XYZ have no faces.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
 //! and [`ReadOptions`] bounds the size of decompressed files.
@@ -55,6 +57,7 @@ mod error;
 mod field_check;
 mod fields;
 mod finish;
+mod foreign;
 mod format;
 mod glb;
 #[cfg(feature = "gzip")]

@@ -51,7 +51,6 @@ pub(crate) fn of_columns(
         }
     }));
     let mut parsed = Parsed { positions, notes, ..Parsed::default() };
-    let taken = ["x", "y", "z"];
-    parsed.fields = columns(fields, colors, &taken, &mut parsed.notes).of_vertices();
+    parsed.fields = columns(fields, colors, &mut parsed.notes).of_vertices();
     Ok(parsed)
 }

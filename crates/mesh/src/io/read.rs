@@ -11,7 +11,7 @@ use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
 use crate::io::triangulate::triangulate;
 use crate::io::{
-    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields,
+    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields, glb,
 };
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
@@ -45,7 +45,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 /// As for [`read`].
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
-    let parse = |bytes: Vec<u8>| as_named(path, &bytes, options);
+    let parse = |bytes: Vec<u8>| as_named(path, &bytes, options, path.parent());
     load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
@@ -61,7 +61,7 @@ pub fn read_bytes(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     let name = name.as_ref();
-    as_named(name, bytes, options).map_err(|fault| fault.in_file(name))
+    as_named(name, bytes, options, None).map_err(|fault| fault.in_file(name))
 }
 
 /// Reads a mesh from a stream up to its end: a file, a response, an
@@ -88,7 +88,7 @@ pub fn read_from(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     drained(stream, 0, options)
-        .and_then(|bytes| parsed(format, &bytes, options))
+        .and_then(|bytes| parsed(format, &bytes, options, None))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
@@ -111,7 +111,12 @@ fn load(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, Fault> {
 
 /// The mesh in the bytes of a file of this name. Fails if the name ends in `.gz` and the content
 /// is not compressed.
-fn as_named(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
+fn as_named(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+    folder: Option<&Path>,
+) -> Result<MeshFile, Fault> {
     let named = Format::from_path(path);
     if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {
         return Err(Fault::whole(ReadProblem::OtherKind {
@@ -119,7 +124,7 @@ fn as_named(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile
             content: "not".to_owned(),
         }));
     }
-    parsed(named.map(|named| named.format), bytes, options)
+    parsed(named.map(|named| named.format), bytes, options, folder)
 }
 
 /// The bytes of a stream, up to the limit, with their expected number.
@@ -136,7 +141,13 @@ fn drained(stream: impl Read, expected: u64, options: &ReadOptions) -> Result<Ve
     }
 }
 
-fn parsed(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
+/// Parses and checks a file; `folder` holds the files that it names.
+fn parsed(
+    named: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+    folder: Option<&Path>,
+) -> Result<MeshFile, Fault> {
     fairing_watch::stage("reading", 0);
     let compressed = is_gzip(bytes);
     let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
@@ -149,19 +160,26 @@ fn parsed(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<
         Strictness::DropBroken => Broken::Kept,
         Strictness::Lenient | Strictness::Strict => Broken::Refused,
     };
-    let parsed = (format.row().parse)(body, broken);
+    let parsed = match format {
+        Format::Glb => {
+            let beside = glb::Beside { folder, max_bytes: options.max_bytes };
+            glb::parse(body, broken, beside)
+        }
+        _ => (format.row().parse)(body, broken),
+    };
     let mark = bytes.len() - body.len();
     let mut parsed = parsed.map_err(|fault| fault.moved(mark))?;
     if mark > 0 {
         parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
     }
-    let Finished { positions, polygons, fields, report } =
+    let Finished { positions, polygons, fields, mut report } =
         parsed.finish(format, compressed, options)?;
     check_positions(&positions).map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
-    let (mesh, fields) = match polygons {
-        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields),
+    let (mesh, fields, note) = match polygons {
+        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields, None),
         mixed => triangulate(PolygonMesh::from_checked(positions, mixed), fields),
     };
+    report.notes.extend(note);
     Ok(MeshFile { mesh, fields, report })
 }
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::io::error::{Fault, ReadProblem, unexpected};
+use crate::io::error::{Fault, ReadProblem, line_of, unexpected};
 use crate::io::number::{self, is_delimiter};
 
 /// The text with `\n` in place of lone `\r` line ends. `\r\n` stays, since `\r` is white space.
@@ -33,6 +33,21 @@ impl<'a> Cursor<'a> {
     /// The number of bytes left, a bound on any count in the text.
     pub(crate) fn remaining(&self) -> usize {
         self.text.len() - self.at
+    }
+
+    /// The text that is left.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        &self.text[self.at..]
+    }
+
+    /// The number of the line at the cursor, from 1.
+    pub(crate) fn line(&self) -> u64 {
+        line_of(self.text, self.at)
+    }
+
+    /// Skips bytes of the token at the cursor.
+    pub(crate) fn skip(&mut self, bytes: usize) {
+        self.at = (self.at + bytes).min(self.text.len());
     }
 
     pub(crate) fn fault(&self, problem: ReadProblem) -> Fault {

@@ -5,15 +5,26 @@ use crate::{PolygonFaces, PolygonMesh, TriMesh};
 
 /// [`PolygonMesh::triangulate`] with the fields of the mesh: each triangle gets the values of
 /// its polygon, and its corners keep their texture coordinates.
-pub(crate) fn triangulate(mesh: PolygonMesh, mut fields: VertexFields) -> (TriMesh, VertexFields) {
-    if fields.faces.is_empty() {
-        return (mesh.split().0, fields);
+/// A note names the first polygon that crosses itself.
+pub(crate) fn triangulate(
+    mesh: PolygonMesh,
+    mut fields: VertexFields,
+) -> (TriMesh, VertexFields, Option<String>) {
+    let sizes: Vec<usize> = mesh.polygons().map(|face| face.len() - 2).collect();
+    let (mesh, corners, crossing) = mesh.split();
+    if !fields.faces.is_empty() {
+        let of: Vec<usize> =
+            sizes.iter().enumerate().flat_map(|(f, &n)| std::iter::repeat_n(f, n)).collect();
+        fields.faces = fields.faces.selected(&of, corners.into_iter().flatten());
     }
-    let sizes = mesh.polygons().map(|face| face.len() - 2).enumerate();
-    let of: Vec<usize> = sizes.flat_map(|(f, count)| std::iter::repeat_n(f, count)).collect();
-    let (triangles, corners) = mesh.split();
-    fields.faces = fields.faces.selected(&of, corners.into_iter().flatten());
-    (triangles, fields)
+    let note = crossing.first().map(|face| {
+        let count = crossing.len();
+        format!(
+            "face {face} crosses itself or has no area: its triangles may overlap ({count} such \
+             faces)"
+        )
+    });
+    (mesh, fields, note)
 }
 
 /// The fields of the polygons of a mesh, from those of its triangles. `Err` is the first polygon

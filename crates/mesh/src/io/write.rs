@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::TriMesh;
+use crate::io::arrays::as_properties;
 use crate::io::error::{WriteError, WriteProblem};
 use crate::io::field_check;
 use crate::io::surface::{Encoded, Faces, Surface};
@@ -44,7 +45,7 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 /// # Errors
 ///
 /// As for [`write()`], and for a field of the wrong length, with a value that is not
-/// finite, or with a name that would not be read back as the same.
+/// finite, or with a name that is empty or another field's.
 #[cfg(feature = "files")]
 pub fn write_with_fields(
     path: impl AsRef<Path>,
@@ -179,8 +180,14 @@ fn encode(
             split.push(format!("{split_polygons} polygons are split into triangles: {why}"));
         }
     }
-    let surface = Surface { positions: mesh.positions(), faces, fields: &of_faces };
+    let renamed = match format {
+        Format::Ply | Format::Pcd | Format::Xyz => as_properties(&of_faces),
+        _ => None,
+    };
+    let fields_written = renamed.as_ref().map_or(&*of_faces, |(fields, _)| fields);
+    let surface = Surface { positions: mesh.positions(), faces, fields: fields_written };
     let Encoded { pieces, mut notes } = (format.row().encode)(surface, options)?;
+    notes.extend(renamed.into_iter().flat_map(|(_, notes)| notes));
     notes.append(&mut split);
     if let Some(lost) = fields.faces.statements.lost().filter(|_| !holds.statements) {
         notes.push(format!("{} holds no {lost}: left out", format.name()));

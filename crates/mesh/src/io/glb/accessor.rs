@@ -1,5 +1,7 @@
 //! Arrays of numbers in the binary data, with bounds that the file must hold.
 
+use std::borrow::Cow;
+
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::document::{Document, Entry};
 use crate::io::{NumberType, ReadOptions};
@@ -18,10 +20,16 @@ pub(super) struct Accessor<'a> {
     pub(super) components: usize,
     kind: NumberType,
     normalized: bool,
+    part: Part<'a>,
+}
+
+/// The bytes of elements.
+struct Part<'a> {
+    bytes: Cow<'a, [u8]>,
+    /// From one element to the next.
     stride: usize,
-    bytes: &'a [u8],
-    /// The place of `bytes` in the file.
-    at: usize,
+    /// The place of `bytes` in the file, if they are a part of it.
+    at: Option<usize>,
 }
 
 impl<'a> Accessors<'a> {
@@ -33,22 +41,7 @@ impl<'a> Accessors<'a> {
     pub(super) fn open(&mut self, index: usize) -> Result<Accessor<'a>, Fault> {
         let root = self.document.root();
         let entry = root.at("accessors", index)?;
-        if entry.get("sparse").is_some() {
-            return Err(entry.fault("an array that is not sparse", "a sparse one"));
-        }
-        let Some(view) = entry.optional_count("bufferView")? else {
-            return Err(entry.fault("a bufferView", "none"));
-        };
-        let view = root.at("bufferViews", view)?;
-        let kind = match entry.required_count("componentType")? {
-            5120 => NumberType::I8,
-            5121 => NumberType::U8,
-            5122 => NumberType::I16,
-            5123 => NumberType::U16,
-            5125 => NumberType::U32,
-            5126 => NumberType::F32,
-            other => return Err(entry.fault("a componentType", other.to_string())),
-        };
+        let kind = kind_of(&entry)?;
         let components = match entry.get("type").and_then(|entry| entry.text()) {
             Some("SCALAR") => 1,
             Some("VEC2") => 2,
@@ -60,50 +53,105 @@ impl<'a> Accessors<'a> {
             }
         };
         let size = components * kind.size();
+        let count = entry.required_count("count")?;
+        let sparse = entry.get("sparse");
+        let whole = match entry.get("bufferView") {
+            None if sparse.is_some() => None,
+            _ => Some(self.part(&entry, count, size)?),
+        };
+        let normalized = entry.flag("normalized");
+        self.spend(&entry, count, 8 * components)?;
+        let part = match (sparse, whole) {
+            (Some(sparse), whole) => self.replaced(&entry, &sparse, whole, count, size)?,
+            (None, Some(part)) => part,
+            (None, None) => return Err(entry.fault("a bufferView", "none")),
+        };
+        Ok(Accessor { count, components, kind, normalized, part })
+    }
+
+    /// The elements with those that a sparse accessor replaces; zeros without a whole.
+    fn replaced(
+        &mut self,
+        entry: &Entry<'a>,
+        sparse: &Entry<'a>,
+        whole: Option<Part<'a>>,
+        count: usize,
+        size: usize,
+    ) -> Result<Part<'a>, Fault> {
+        let [indices, values] = ["indices", "values"].map(|key| sparse.get(key));
+        let (Some(indices), Some(values)) = (indices, values) else {
+            return Err(sparse.fault("indices and values", "none"));
+        };
+        let replaced = sparse.required_count("count")?;
+        let kind = kind_of(&indices)?;
+        if !matches!(kind, NumberType::U8 | NumberType::U16 | NumberType::U32) {
+            return Err(indices.fault("unsigned integers", "other numbers"));
+        }
+        let of = self.part(&indices, replaced, kind.size())?;
+        let values = self.part(&values, replaced, size)?;
+        self.spend(entry, count, size)?;
+        let mut bytes = match whole {
+            None => vec![0; count * size],
+            Some(whole) => (0..count).flat_map(|k| whole.element(k, size)).copied().collect(),
+        };
+        for k in 0..replaced {
+            let index = kind.decode_integer(false, of.element(k, kind.size()));
+            let at = usize::try_from(index).ok().filter(|&index| index < count);
+            let Some(at) = at.map(|index| index * size) else {
+                let expected = format!("indices of {count} elements");
+                return Err(indices.fault(&expected, index.to_string()));
+            };
+            bytes[at..at + size].copy_from_slice(values.element(k, size));
+        }
+        Ok(Part { bytes: Cow::Owned(bytes), stride: size, at: None })
+    }
+
+    /// The bytes of `count` elements of `size` bytes each in the view that an entry names.
+    fn part(&self, entry: &Entry<'a>, count: usize, size: usize) -> Result<Part<'a>, Fault> {
+        let Some(view) = entry.optional_count("bufferView")? else {
+            return Err(entry.fault("a bufferView", "none"));
+        };
+        let view = self.document.root().at("bufferViews", view)?;
         let stride = view.optional_count("byteStride")?.unwrap_or(size);
         if stride < size {
             let expected = format!("a byteStride of {size} or more");
             return Err(view.fault(&expected, stride.to_string()));
         }
         let (bytes, at) = self.view(&view)?;
-        let count = entry.required_count("count")?;
         let start = entry.optional_count("byteOffset")?.unwrap_or(0);
         let length = match count.checked_sub(1) {
             Some(steps) => steps.checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
             None => Some(0),
         };
         let end = length.and_then(|length| start.checked_add(length));
-        let Some(part) = end.and_then(|end| bytes.get(start..end)) else {
-            let expected = format!("{count} elements of {size} bytes from byte {start}");
-            return Err(entry.fault(&expected, format!("a bufferView of {} bytes", bytes.len())));
-        };
-        let normalized = entry.flag("normalized");
-        self.spend(&entry, count, 8 * components)?;
-        Ok(Accessor { count, components, kind, normalized, stride, bytes: part, at: at + start })
+        match end.and_then(|end| bytes.get(start..end)) {
+            Some(part) => {
+                let at = at.map(|at| at + start);
+                Ok(Part { bytes: Cow::Borrowed(part), stride, at })
+            }
+            None => {
+                let expected = format!("{count} elements of {size} bytes from byte {start}");
+                let found = format!("a bufferView of {} bytes", bytes.len());
+                Err(entry.fault(&expected, found))
+            }
+        }
     }
 
     /// The bytes of a view, and their place in the file.
-    fn view(&self, view: &Entry<'a>) -> Result<(&'a [u8], usize), Fault> {
-        let buffer = view.required_count("buffer")?;
-        let entry = self.document.root().at("buffers", buffer)?;
-        if let Some(uri) = entry.get("uri") {
-            let found = match uri.text() {
-                Some(text) if !text.starts_with("data:") => format!("data in the file {text:?}"),
-                _ => "data in a URI".to_owned(),
-            };
-            return Err(entry.fault("data in the binary chunk", found));
-        }
-        let Some((binary, at)) = self.document.binary.filter(|_| buffer == 0) else {
-            return Err(entry.fault("data in the binary chunk", "none"));
+    fn view(&self, view: &Entry<'a>) -> Result<(&'a [u8], Option<usize>), Fault> {
+        let number = view.required_count("buffer")?;
+        let entry = self.document.root().at("buffers", number)?;
+        let Some(buffer) = self.document.buffers.get(number).and_then(Option::as_ref) else {
+            return Err(entry.fault("data in the binary chunk or a URI", "none"));
         };
         let length = view.required_count("byteLength")?;
         let start = view.optional_count("byteOffset")?.unwrap_or(0);
         let end = start.checked_add(length);
-        match end.and_then(|end| binary.get(start..end)) {
-            Some(bytes) => Ok((bytes, at + start)),
+        match end.and_then(|end| buffer.data.get(start..end)) {
+            Some(bytes) => Ok((bytes, buffer.at.map(|at| at + start))),
             None => {
                 let expected = format!("{length} bytes from byte {start}");
-                Err(view.fault(&expected, format!("a buffer of {} bytes", binary.len())))
+                Err(view.fault(&expected, format!("a buffer of {} bytes", buffer.data.len())))
             }
         }
     }
@@ -127,6 +175,25 @@ impl<'a> Accessors<'a> {
     }
 }
 
+/// The type of numbers.
+fn kind_of(entry: &Entry<'_>) -> Result<NumberType, Fault> {
+    Ok(match entry.required_count("componentType")? {
+        5120 => NumberType::I8,
+        5121 => NumberType::U8,
+        5122 => NumberType::I16,
+        5123 => NumberType::U16,
+        5125 => NumberType::U32,
+        5126 => NumberType::F32,
+        other => return Err(entry.fault("a componentType", other.to_string())),
+    })
+}
+
+impl Part<'_> {
+    fn element(&self, k: usize, size: usize) -> &[u8] {
+        &self.bytes[k * self.stride..][..size]
+    }
+}
+
 impl Accessor<'_> {
     /// All numbers, those of an element together.
     pub(super) fn floats(&self) -> Vec<f64> {
@@ -142,7 +209,7 @@ impl Accessor<'_> {
             let x = self.kind.decode(false, bytes) / divisor;
             if self.normalized { x.max(-1.0) } else { x }
         };
-        let element = |k: usize| &self.bytes[k * self.stride..][..self.components * size];
+        let element = |k: usize| self.part.element(k, self.components * size);
         (0..self.count).flat_map(|k| element(k).chunks_exact(size).map(decode)).collect()
     }
 
@@ -152,7 +219,8 @@ impl Accessor<'_> {
         if self.components != 1 || self.normalized || !matches!(self.kind, U8 | U16 | U32) {
             return Err(entry.fault("unsigned integers", "other numbers"));
         }
-        let index = |k: usize| self.kind.decode_integer(false, &self.bytes[k * self.stride..]);
+        let element = |k: usize| self.part.element(k, self.kind.size());
+        let index = |k: usize| self.kind.decode_integer(false, element(k));
         Ok((0..self.count).map(|k| index(k) as u32).collect())
     }
 
@@ -168,7 +236,10 @@ impl Accessor<'_> {
 
     /// A problem of an element.
     pub(super) fn fault(&self, element: usize, problem: crate::io::ReadProblem) -> Fault {
-        Fault::at_byte(self.at + element * self.stride, problem)
+        match self.part.at {
+            Some(at) => Fault::at_byte(at + element * self.part.stride, problem),
+            None => Fault::whole(problem),
+        }
     }
 
     /// A problem of a number of elements.

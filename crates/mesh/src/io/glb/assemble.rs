@@ -8,6 +8,7 @@ use crate::io::NumberType;
 use crate::io::arrays::{NamedArray, columns};
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::accessor::Accessors;
+use crate::io::glb::buffers::Beside;
 use crate::io::glb::color::to_srgb;
 use crate::io::glb::document::{Document, Entry, POINTS, TRIANGLES};
 use crate::io::glb::scene::{Instance, instances};
@@ -16,14 +17,14 @@ use crate::io::parsed::{Broken, NO_VERTEX, Parsed, check_finite, strip_triangles
 /// The most attributes that a note names.
 const MAX_NAMED: usize = 10;
 
-pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
-    let document = Document::read(bytes)?;
+pub(crate) fn parse(bytes: &[u8], broken: Broken, beside: Beside<'_>) -> Result<Parsed, Fault> {
+    let document = Document::read(bytes, beside)?;
     let root = document.root();
     check_extensions(&root)?;
     let mut parsed = Parsed::default();
     note_ignored(&root, &mut parsed.notes)?;
     let instances = instances(&root, &mut parsed.notes)?;
-    let accessors = Accessors::new(&document, bytes.len());
+    let accessors = Accessors::new(&document, bytes.len() + document.length());
     let mut joined = Joined::new(accessors, parsed, broken);
     for instance in &instances {
         joined.add(&root, instance)?;
@@ -52,7 +53,15 @@ fn check_extensions(root: &Entry<'_>) -> Result<(), Fault> {
         let name = extension.text().unwrap_or_default();
         if !HARMLESS.iter().any(|harmless| name.starts_with(harmless)) {
             let expected = "a file that is readable without extensions";
-            return Err(Fault::whole(unexpected(expected, format!("{name}, which it requires"))));
+            let advice = match name {
+                "KHR_draco_mesh_compression" => ": Blender or gltf-transform can save it without",
+                "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+                    ": gltf-transform can save it without"
+                }
+                _ => "",
+            };
+            let found = format!("{name}, which it requires{advice}");
+            return Err(Fault::whole(unexpected(expected, found)));
         }
     }
     Ok(())
@@ -279,8 +288,7 @@ impl<'a> Joined<'a> {
             parsed.notes.push(format!("data of vertices are ignored: {}", names.join(", ")));
         }
         if count > 0 {
-            let taken = ["x", "y", "z"];
-            parsed.fields = columns(self.arrays, colors, &taken, &mut parsed.notes).of_vertices();
+            parsed.fields = columns(self.arrays, colors, &mut parsed.notes).of_vertices();
         }
         parsed
     }

@@ -1,8 +1,11 @@
 //! The chunks of a GLB file, and its JSON by paths.
 
+use std::borrow::Cow;
+
 use serde_json::Value;
 
 use crate::io::error::{Fault, unexpected};
+use crate::io::glb::buffers::{self, Beside, Buffer};
 
 /// The name of the format.
 pub(super) const NAME: &str = "GLB";
@@ -21,45 +24,64 @@ pub(super) const TRIANGLES: usize = 4;
 /// The JSON and the binary data of a file.
 pub(super) struct Document<'a> {
     pub(super) root: Value,
-    /// The data of the buffer in the file, and their place.
-    pub(super) binary: Option<(&'a [u8], usize)>,
+    pub(super) buffers: Vec<Option<Buffer<'a>>>,
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn read(bytes: &'a [u8]) -> Result<Self, Fault> {
-        let version = word(bytes, 4).unwrap_or_default();
-        if version != 2 {
-            return Err(Fault::at_byte(4, unexpected("version 2 of glTF", version.to_string())));
-        }
-        let length = word(bytes, 8).unwrap_or_default() as usize;
-        let Some(bytes) = bytes.get(..length) else {
-            let expected = format!("{length} bytes, as the header says");
-            return Err(Fault::at_byte(8, unexpected(expected, bytes.len().to_string())));
+    /// Reads GLB, or JSON alone.
+    pub(super) fn read(bytes: &'a [u8], beside: Beside<'_>) -> Result<Self, Fault> {
+        let json = |at: usize, text| {
+            serde_json::from_slice(text).map_err(|error| {
+                Fault::at_byte(at, unexpected("the JSON of glTF", error.to_string()))
+            })
         };
-        let (json, mut at) = chunk(bytes, 12, JSON)?;
-        let root = serde_json::from_slice(json).map_err(|error| {
-            let problem = unexpected("the JSON of glTF", error.to_string());
-            Fault::at_byte(20, problem)
-        })?;
-        let mut binary = None;
-        if at < bytes.len() && word(bytes, at + 4) == Some(BINARY) {
-            let start = at + 8;
-            let data;
-            (data, at) = chunk(bytes, at, BINARY)?;
-            binary = Some((data, start));
-        }
-        // Chunks of other types may follow, which readers have to ignore.
-        while at < bytes.len() {
-            let kind = word(bytes, at + 4).unwrap_or_default();
-            (_, at) = chunk(bytes, at, kind)?;
-        }
-        Ok(Self { root, binary })
+        let (root, binary) = if bytes.starts_with(MAGIC) {
+            let (text, binary) = chunks(bytes)?;
+            (json(20, text)?, binary)
+        } else {
+            (json(0, bytes)?, None)
+        };
+        let entry = Entry { value: &root, path: String::new() };
+        let buffers = buffers::read(&entry, binary, beside)?;
+        Ok(Self { root, buffers })
+    }
+
+    /// The number of bytes of all buffers.
+    pub(super) fn length(&self) -> usize {
+        self.buffers.iter().flatten().map(|buffer| buffer.data.len()).sum()
     }
 
     /// The whole of the JSON.
     pub(super) fn root(&self) -> Entry<'_> {
         Entry { value: &self.root, path: String::new() }
     }
+}
+
+/// The JSON of a GLB file and its binary data.
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<Buffer<'_>>), Fault> {
+    let version = word(bytes, 4).unwrap_or_default();
+    if version != 2 {
+        return Err(Fault::at_byte(4, unexpected("version 2 of glTF", version.to_string())));
+    }
+    let length = word(bytes, 8).unwrap_or_default() as usize;
+    let Some(bytes) = bytes.get(..length) else {
+        let expected = format!("{length} bytes, as the header says");
+        return Err(Fault::at_byte(8, unexpected(expected, bytes.len().to_string())));
+    };
+    let (json, mut at) = chunk(bytes, 12, JSON)?;
+    let mut binary = None;
+    if at < bytes.len() && word(bytes, at + 4) == Some(BINARY) {
+        let start = at + 8;
+        let data;
+        (data, at) = chunk(bytes, at, BINARY)?;
+        binary = Some(Buffer { data: Cow::Borrowed(data), at: Some(start) });
+    }
+    // Chunks of other types may follow, which readers have to ignore.
+    while at < bytes.len() {
+        let kind = word(bytes, at + 4).unwrap_or_default();
+        (_, at) = chunk(bytes, at, kind)?;
+    }
+    Ok((json, binary))
 }
 
 /// The number of four bytes.

@@ -218,10 +218,15 @@ fn what_is_not_read_is_named() {
         ),
         (
             &|j| j["buffers"][0]["uri"] = json!("a.bin"),
-            "buffers[0], found data in the file \"a.bin\"",
+            "without its folder, at buffers[0].uri, found \"a.bin\"",
         ),
-        (&|j| j["buffers"][0]["uri"] = json!("data:,"), "found data in a URI"),
-        (&|j| j["accessors"][0]["sparse"] = json!({}), "accessors[0], found a sparse one"),
+        (
+            &|j| j["extensionsRequired"] = json!(["EXT_meshopt_compression"]),
+            "EXT_meshopt_compression, which it requires: gltf-transform can save it without",
+        ),
+        (&|j| j["buffers"][0]["uri"] = json!("data:,"), "data in base64 at buffers[0].uri"),
+        (&|j| j["buffers"][0]["uri"] = json!("data:x;base64,AAA="), "68 bytes at buffers[0].uri"),
+        (&|j| j["accessors"][0]["sparse"] = json!({}), "values at accessors[0].sparse"),
         (&|j| j["accessors"][0]["bufferView"] = Value::Null, "a bufferView at accessors[0]"),
         (&|j| j["accessors"][0]["count"] = json!(1u64 << 62), "found a bufferView of 64 bytes"),
         (&|j| j["accessors"][0]["count"] = json!(5), "5 elements of 12 bytes from byte 0"),
@@ -282,4 +287,105 @@ fn quantized_positions_are_read() {
     json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
     let mesh = read(&file(&json, &binary)).mesh;
     assert_eq!(mesh.positions(), [[0.0; 3], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+}
+
+/// The square with two corners moved: from its array, and from zeros.
+#[test]
+fn sparse_arrays_are_read() {
+    let (mut json, mut binary) = square(&[0, 1, 2, 0, 2, 3]);
+    binary.resize(72, 0);
+    binary.extend([1u16, 3].iter().flat_map(|k| k.to_le_bytes()));
+    binary.extend(floats(&[2.0, 0.0, 1.0, 0.0, 3.0, 1.0]));
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let views = json["bufferViews"].as_array_mut().unwrap();
+    views[1]["byteLength"] = json!(6);
+    views.push(json!({ "buffer": 0, "byteOffset": 72, "byteLength": 4 }));
+    views.push(json!({ "buffer": 0, "byteOffset": 76, "byteLength": 24 }));
+    json["accessors"][0]["sparse"] = json!({
+        "count": 2,
+        "indices": { "bufferView": 2, "componentType": 5123 },
+        "values": { "bufferView": 3 },
+    });
+    let [moved, raised] = [[2.0, 0.0, 1.0], [0.0, 3.0, 1.0]];
+    let found = read(&file(&json, &binary)).mesh;
+    assert_eq!(found.positions(), [[0.0; 3], moved, [1.0, 1.0, 0.0], raised]);
+    let mut alone = json.clone();
+    alone["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let found = read(&file(&alone, &binary)).mesh;
+    assert_eq!(found.positions(), [[0.0; 3], moved, [0.0; 3], raised]);
+    // Bounds, and a count that the file does not hold.
+    for (change, expected) in [
+        (
+            &(|j: &mut Value| j["accessors"][0]["count"] = json!(3)) as &dyn Fn(&mut Value),
+            "indices of 3 elements at accessors[0].sparse.indices, found 3",
+        ),
+        (&|j| j["accessors"][0]["count"] = json!(1u64 << 40), "hundreds of copies"),
+        (&|j| j["accessors"][0]["sparse"]["count"] = json!(3), "3 elements of 2 bytes"),
+        (&|j| j["bufferViews"][3]["byteLength"] = json!(23), "2 elements of 12 bytes"),
+        (
+            &|j| j["accessors"][0]["sparse"]["indices"]["componentType"] = json!(5126),
+            "unsigned integers",
+        ),
+    ] {
+        let mut json = alone.clone();
+        change(&mut json);
+        let found = refusal(&file(&json, &binary));
+        assert!(found.contains(expected), "{expected}: {found}");
+    }
+}
+
+/// JSON with its buffer in a file beside it, in its URI, and nowhere.
+#[test]
+fn json_is_read_with_its_buffers() {
+    use base64::Engine;
+    let (mut json, binary) = square(&[0, 1, 2, 0, 2, 3]);
+    json["bufferViews"][1]["byteLength"] = json!(6);
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let expected = read(&file(&json, &binary));
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("a.gltf");
+    std::fs::create_dir(folder.path().join("below")).unwrap();
+    std::fs::write(folder.path().join("below/a b.bin"), &binary).unwrap();
+    let beside = |uri: &str| {
+        let mut json = json.clone();
+        json["buffers"][0]["uri"] = json!(uri);
+        std::fs::write(&place, json.to_string()).unwrap();
+        crate::io::read(&place)
+    };
+    let data = base64::engine::general_purpose::STANDARD.encode(&binary);
+    for uri in ["below/a%20b.bin", "./below/a b.bin", &format!("data:any/thing;base64,{data}")] {
+        let found = beside(uri).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((&found.mesh, &found.fields), (&expected.mesh, &expected.fields));
+    }
+    for uri in [
+        "/etc/hosts",
+        "../a.bin",
+        "below/../../a.bin",
+        "%2e%2e/a.bin",
+        "below//a",
+        "C:\\a.bin",
+        "http://a/b.bin",
+        "file:a.bin",
+        "%zz",
+    ] {
+        let found = beside(uri).unwrap_err().to_string();
+        assert!(found.contains("buffers[0].uri") && found.contains("beside") || uri == "%zz");
+    }
+    for uri in ["none.bin", "below"] {
+        let found = beside(uri).unwrap_err().to_string();
+        assert!(found.contains(&format!("expected the file {uri:?} at buffers[0].uri")), "{found}");
+    }
+    // Two buffers of one file, and a file that is too short.
+    json["buffers"][0]["uri"] = json!("below/a b.bin");
+    let write = |json: &Value| {
+        std::fs::write(&place, json.to_string()).unwrap();
+        crate::io::read(&place).unwrap_err().to_string()
+    };
+    let mut twice = json.clone();
+    twice["buffers"] = json!([json["buffers"][0], json["buffers"][0]]);
+    assert!(write(&twice).contains("no other buffer at buffers[1].uri"));
+    json["buffers"][0]["byteLength"] = json!(1000);
+    assert!(write(&json).contains("expected 1000 bytes at buffers[0].uri, found 70 bytes"));
+    let stream = refusal(json.to_string().as_bytes());
+    assert!(stream.contains("without its folder, at buffers[0].uri"), "{stream}");
 }

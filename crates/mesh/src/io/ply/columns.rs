@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::io::fields::{Attributes, Columns};
 use crate::io::ply::header::{Element, Kind};
 use crate::io::ply::source::Rows;
-use crate::io::{FaceFields, NumberType, VertexFields};
+use crate::io::{NumberType, VertexFields};
 
 /// The types and the grouping of the scalar properties of an element.
 pub(super) struct Scalars {
@@ -211,15 +211,6 @@ pub(crate) const TEXTURE: &str = "texcoord";
 
 /// The names of the lists that hold the corners of a face.
 pub(crate) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
-
-/// The names of the face properties of a PLY file, in the order of the encoder: corners,
-/// texture coordinates, scalars, vectors, colours.
-pub(crate) fn face_names(fields: &FaceFields) -> Vec<String> {
-    let mut names = INDICES.map(str::to_owned).to_vec();
-    names.extend(fields.texture.iter().map(|_| TEXTURE.to_owned()));
-    names.extend(field_names(fields.into()));
-    names
-}
 
 /// The names of the properties of fields.
 pub(crate) fn field_names(fields: Attributes<'_>) -> Vec<String> {

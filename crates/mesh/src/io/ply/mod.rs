@@ -83,7 +83,11 @@ fn read_body(mut source: impl Source, header: &Header, broken: Broken) -> Result
             _ => skip(&mut source, element, &mut parsed)?,
         }
     }
-    source.finish()?;
+    if let Some((count, first)) = source.finish()? {
+        let doubt =
+            format!("{count} lines after the last element, from line {first} on, are ignored");
+        parsed.doubts.push(doubt);
+    }
     if source.long_rows() > 0 {
         let doubt = format!("{} lines have more values than properties", source.long_rows());
         parsed.doubts.push(doubt);

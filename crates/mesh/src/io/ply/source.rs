@@ -40,8 +40,9 @@ pub(super) trait Source {
     /// Skips bytes seen by [`Self::peek_rows`].
     fn advance(&mut self, bytes: usize);
 
-    /// Fails unless the body ends here.
-    fn finish(&mut self) -> Result<(), Fault>;
+    /// Fails if a binary body goes on here. Text that does is ignored: returns its number of
+    /// lines and the first of them.
+    fn finish(&mut self) -> Result<Option<(usize, u64)>, Fault>;
 }
 
 /// Rows of one size in a binary body.
@@ -153,8 +154,13 @@ impl Source for AsciiSource<'_> {
 
     fn advance(&mut self, _: usize) {}
 
-    fn finish(&mut self) -> Result<(), Fault> {
-        self.cursor.expect_end("the last element").map_err(|fault| self.below_header(fault))
+    fn finish(&mut self) -> Result<Option<(usize, u64)>, Fault> {
+        if !self.cursor.more() {
+            return Ok(None);
+        }
+        let first = self.lines_before + self.cursor.line();
+        let lines = self.cursor.rest().split(|&b| b == b'\n');
+        Ok(Some((lines.filter(|line| !line.trim_ascii().is_empty()).count(), first)))
     }
 }
 
@@ -242,11 +248,11 @@ impl Source for BinarySource<'_> {
         self.at += bytes;
     }
 
-    fn finish(&mut self) -> Result<(), Fault> {
+    fn finish(&mut self) -> Result<Option<(usize, u64)>, Fault> {
         // Some writers end a binary file with a line break.
         let rest = &self.bytes[self.at..];
         if rest.iter().all(u8::is_ascii_whitespace) {
-            return Ok(());
+            return Ok(None);
         }
         self.last = self.at;
         let found = format!("{} bytes more", rest.len());

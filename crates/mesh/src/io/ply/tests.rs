@@ -94,6 +94,27 @@ fn text_keeps_double_precision_and_rows_may_go_on() {
     assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2]]));
 }
 
+/// Blank lines end a file as well as none do; others are ignored by meshio, MeshLab and trimesh,
+/// and refused by strict reading.
+#[test]
+fn lines_after_the_last_element_are_named() {
+    let header = format!("element vertex 3\n{XYZ}\nelement face 1\n{LIST}");
+    let doubts = |end: &str| {
+        let parsed = outcome(&ascii(&header, &format!("{THREE}3 0 1 2\n{end}"))).unwrap();
+        assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2]]));
+        parsed.doubts
+    };
+    for blank in ["", "\n", " \t\r\n\n  "] {
+        assert!(doubts(blank).is_empty(), "{blank:?}");
+    }
+    let line = header.lines().count() + 3 + 4 + 1;
+    let expected = |count: usize, line: usize| {
+        [format!("{count} lines after the last element, from line {line} on, are ignored")]
+    };
+    assert_eq!(doubts("3 0 2 1\n"), expected(1, line));
+    assert_eq!(doubts("\n3 0 2 1\n\nx\n"), expected(2, line + 1));
+}
+
 #[test]
 fn carriage_returns_may_end_lines() {
     let header = format!("element vertex 3\n{XYZ}\nelement face 1\n{LIST}");

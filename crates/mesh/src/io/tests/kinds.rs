@@ -142,7 +142,7 @@ fn a_binary_stl_with_a_header_like_text_is_binary_at_any_size() {
     }
     bytes.extend([0; 2]);
     let options = ReadOptions::default();
-    assert_eq!(read_bytes("a.stl", &bytes, &options).unwrap().mesh.face_count(), 1);
+    assert_eq!(read("a.stl", &bytes).mesh.face_count(), 1);
     for wrong in [&bytes[..bytes.len() - 7], &[&bytes[..], b"junk"].concat()] {
         let message = refusal("a.stl", wrong, &options);
         assert!(message.contains("1 triangles of 50 bytes, as the header says"), "{message}");

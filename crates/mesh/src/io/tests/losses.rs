@@ -1,8 +1,8 @@
 //! Reports of lost content, and atomic writing.
 
 use crate::io::tests::{read, refusal, tetrahedron};
-use crate::io::{ReadOptions, UnsupportedFields, VertexFields, WriteOptions};
-use crate::io::{WriteProblem, read_bytes, write, write_with_fields};
+use crate::io::{Format, ReadOptions, UnsupportedFields, VertexFields, WriteOptions};
+use crate::io::{WriteProblem, read_bytes, write, write_to, write_with_fields};
 
 /// An open box whose quads name a corner twice, in a row and not, as files of
 /// the formats that have polygons, and the same faces triangle by triangle.
@@ -181,14 +181,64 @@ fn unsound_fields_are_refused_by_name() {
     assert_eq!(problem(none), "field of colours has 0 values for 4 vertices");
     let nan = problem(scalar("q", f64::NAN));
     assert_eq!(nan, "field q is NaN at vertex 0, which is not finite");
-    for name in ["", "a b", "a\n", "x", "nx\0"] {
+    for name in ["", "a\n", "nx\0"] {
         assert!(problem(scalar(name, 0.0)).starts_with("field name"), "{name:?}");
     }
-    let clash = scalar("v_y", 0.0).with_vector("v", vec![[0.0; 3]; 4]);
-    assert!(problem(clash).contains("two properties of this name"));
-    let alike =
-        scalar("a_x", 0.0).with_scalar("a_y", vec![0.0; 4]).with_scalar("a_z", vec![0.0; 4]);
-    assert!(problem(alike).contains("would be read back as a vector"));
+    let twice = scalar("q", 0.0).with_scalar("q", vec![0.0; 4]);
+    assert!(problem(twice).contains("two fields of this name"));
+}
+
+/// Names that are free in VTP and GLB have other meanings in PLY, PCD and XYZ.
+#[test]
+fn names_are_kept_where_they_can_be() {
+    let zeros = || vec![0.0; 4];
+    let scalars = ["x", "z", "a b", "a_x", "a_y", "a_z", "v_y", "vertex_index"];
+    let fields = scalars
+        .iter()
+        .fold(VertexFields::default(), |fields, &name| fields.with_scalar(name, zeros()));
+    let fields = fields.with_vector("v", vec![[0.0, 1.0, 2.0]; 4]).with_colors(vec![[1, 2, 3]; 4]);
+    let again = |format, fields: &VertexFields| {
+        let mut bytes = Vec::new();
+        let options = WriteOptions::default().dropping_fields();
+        let report = write_to(&mut bytes, format, &tetrahedron(), fields, &options).unwrap();
+        let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+        assert!(file.report.notes.is_empty(), "{format}: {:?}", file.report.notes);
+        (file.fields, report.notes)
+    };
+    for format in [Format::Vtp, Format::Glb] {
+        let (found, notes) = again(format, &fields);
+        assert!(notes.is_empty(), "{format}: {notes:?}");
+        for name in scalars {
+            assert_eq!(found.scalar(name), fields.scalar(name), "{format}: {name}");
+        }
+        assert_eq!(found.vectors, fields.vectors, "{format}");
+    }
+    let changed = ["x_2", "z_2", "a_b", "a_x", "a_y", "a_z_2", "v_y", "vertex_index"];
+    for format in [Format::Ply, Format::Pcd, Format::Xyz] {
+        let (found, notes) = again(format, &fields);
+        let names: Vec<&str> = found.scalars.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(names, changed, "{format}");
+        assert_eq!(found.vectors[0].0, "v_2");
+        assert_eq!(
+            notes,
+            [
+                "\"x\" is called x_2",
+                "\"z\" is called z_2",
+                "\"a b\" is called a_b",
+                "\"a_z\" is called a_z_2",
+                "\"v\" is called v_2"
+            ]
+            .map(|n| format!("the field {n}"))
+        );
+        // These names are kept from then on.
+        assert_eq!(again(format, &found), (found, vec![]));
+    }
+    let mut of_faces = VertexFields::default();
+    of_faces.faces.scalars = ["x", "vertex_index"].map(|name| (name.to_owned(), zeros())).to_vec();
+    assert_eq!(again(Format::Vtp, &of_faces), (of_faces.clone(), vec![]));
+    let (found, notes) = again(Format::Ply, &of_faces);
+    let names: Vec<&str> = found.faces.scalars.iter().map(|(name, _)| &name[..]).collect();
+    assert_eq!((names, notes.len()), (vec!["x", "vertex_index_2"], 1));
 }
 
 #[test]

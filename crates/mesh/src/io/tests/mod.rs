@@ -15,7 +15,7 @@ pub(crate) fn read(name: &str, bytes: &[u8]) -> MeshFile {
 }
 
 /// The error for bytes that reading must refuse.
-fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
+pub(crate) fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
     match read_bytes(name, bytes, options) {
         Ok(file) => panic!("{name} was read: {}", file.report),
         Err(error) => error.to_string(),

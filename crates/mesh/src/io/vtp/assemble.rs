@@ -5,7 +5,6 @@ use crate::io::arrays::{MAX_COMPONENTS, NamedArray, columns};
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, check_finite, strip_triangles};
-use crate::io::ply::columns::{INDICES, TEXTURE};
 use crate::io::vtp::data::Decoder;
 use crate::io::vtp::document::{self, Array, ArrayType, COLORS, Document, Piece, Section};
 use crate::polygon::Polygons;
@@ -135,9 +134,8 @@ impl Joined {
             document.pieces.first().and_then(|piece| piece.normals[which].as_deref())
         };
         let count = parsed.positions.len();
-        let points = fields(self.points, count, normals(0), &["x", "y", "z"], parsed);
-        let taken = [INDICES[0], INDICES[1], TEXTURE];
-        let cells = fields(self.cells, parsed.polygons.len(), normals(1), &taken, parsed);
+        let points = fields(self.points, count, normals(0), parsed);
+        let cells = fields(self.cells, parsed.polygons.len(), normals(1), parsed);
         parsed.fields = points.of_vertices();
         parsed.fields.faces = cells.of_faces();
     }
@@ -293,7 +291,6 @@ fn fields(
     mut arrays: Vec<NamedArray>,
     count: usize,
     normals: Option<&str>,
-    taken: &[&str],
     parsed: &mut Parsed,
 ) -> Columns {
     if count == 0 {
@@ -325,5 +322,5 @@ fn fields(
             array.kind = types.into_iter().find(|t| array.values.iter().all(|&x| t.holds(x)));
         }
     }
-    columns(arrays, colors, taken, &mut parsed.notes)
+    columns(arrays, colors, &mut parsed.notes)
 }

@@ -87,6 +87,78 @@ fn polygons_without_area_still_yield_their_triangles() {
     assert_eq!(triangulated(&huge).face_count(), 2);
 }
 
+/// Checks n − 2 triangles that turn like the polygon and have its area.
+fn check_cover(points: &[[f64; 3]]) {
+    let mesh = triangulated(points);
+    assert_eq!(mesh.face_count(), points.len() - 2);
+    let points: Vec<DVec3> = points.iter().map(|&p| p.into()).collect();
+    let normal = area_vector(&points);
+    let area = normal.length() / 2.0;
+    let turned = |f: usize| DVec3::from(mesh.area_vector(f)).dot(normal.normalize());
+    // Of the size of rounding in a triangle within an extent of 1 to 10.
+    assert!((0..mesh.face_count()).all(|f| turned(f) > -1e-14));
+    let total: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
+    let rounding = 1e-15 * points.len() as f64;
+    assert!((total / area - 1.0).abs() < rounding, "{total} of {area}");
+}
+
+/// Long arms in each other, teeth on a back, and both far from convex: a fan has a multiple of
+/// the area.
+#[test]
+fn large_concave_polygons_are_covered_once() {
+    for n in [1_100, 5_000, 20_000] {
+        let arm = |k: u32, r: f64| {
+            let t = f64::from(k) / f64::from(n / 2) * 20.0 * std::f64::consts::TAU;
+            let r = r + t / 126.0;
+            [r * t.cos(), 0.8 * r * t.sin(), 0.6 * r * t.sin()]
+        };
+        let mut spiral: Vec<[f64; 3]> = (0..n / 2).map(|k| arm(k, 0.23)).collect();
+        spiral.extend((0..n / 2).rev().map(|k| arm(k, 0.2)));
+        spiral.reverse();
+        check_cover(&spiral);
+        let mut comb = vec![[1.0, 0.0, 2.0], [0.0, 0.0, 2.0]];
+        let teeth = n / 4;
+        for tooth in 0..teeth {
+            for (side, y) in [(0.0, 0.1), (0.0, 1.0), (0.5, 1.0), (0.5, 0.1)] {
+                comb.push([(f64::from(tooth) + side) / f64::from(teeth), y, 2.0]);
+            }
+        }
+        check_cover(&comb);
+    }
+}
+
+/// Bridges to a hole pass twice through the same points.
+#[test]
+fn bridged_holes_stay_open() {
+    let circle = |n: u32, r: f64| {
+        (0..=n).map(move |k| {
+            let t = f64::from(k % n) / f64::from(n) * std::f64::consts::TAU;
+            [r * t.cos(), r * t.sin(), 0.0]
+        })
+    };
+    let inner: Vec<[f64; 3]> = circle(1_000, 0.5).collect();
+    let ring: Vec<[f64; 3]> = circle(1_000, 1.0).chain(inner.into_iter().rev()).collect();
+    check_cover(&ring);
+}
+
+#[test]
+fn polygons_that_cross_themselves_are_found() {
+    let crossing = |points: &[[f64; 3]]| {
+        let corners: Vec<u32> = (0..points.len() as u32).collect();
+        PolygonMesh::new(points.to_vec(), [corners]).unwrap().split().2
+    };
+    let five_pointed: Vec<[f64; 3]> = (0..5)
+        .map(|k| f64::from(2 * k) * std::f64::consts::TAU / 5.0)
+        .map(|t| [t.cos(), t.sin(), 0.0])
+        .collect();
+    let bow_tie = [[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.5, 0.0]];
+    let dart = [[0.0, 0.0, 2.0], [4.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 4.0, 2.0]];
+    assert_eq!(crossing(&bow_tie), [0]);
+    assert!(crossing(&dart).is_empty());
+    // All corners turn alike: a fan, which goes round twice as the polygon does.
+    assert!(crossing(&five_pointed).is_empty());
+}
+
 #[test]
 fn large_polygons_end_soon() {
     let star: Vec<[f64; 3]> = (0..100_000)

@@ -3,7 +3,11 @@
 //! The keyword `[ST][C][N]OFF`; the counts of vertices, faces and edges; a line per
 //! vertex (position, then normal, colour and texture coordinates if the prefixes
 //! announce them); and a line per face (count, indices, optional colour). Comments
-//! begin with `#` anywhere.
+//! begin with `#` anywhere. Line ends may stand between any two numbers. MeshLab
+//! writes the prefixes in the order `[N][C][ST]`, and colours before normals.
+//! After `OFF BINARY`, numbers are big-endian and of 32 bits.
+
+mod binary;
 
 use crate::io::error::{Fault, WriteProblem, unexpected};
 use crate::io::number::{put_float, put_integer, put_triple};
@@ -28,50 +32,67 @@ struct Prefixes {
     texture: bool,
     color: bool,
     normal: bool,
+    /// Colours precede normals.
+    color_first: bool,
 }
 
 impl Prefixes {
-    /// `None` if the token is not the keyword of a three-dimensional OFF file.
-    fn from_keyword(keyword: &[u8]) -> Option<Self> {
-        let rest = keyword.strip_suffix(b"OFF")?;
-        let (texture, rest) = strip(rest, b"ST");
-        let (color, rest) = strip(rest, b"C");
-        let (normal, rest) = strip(rest, b"N");
-        rest.is_empty().then_some(Self { texture, color, normal })
+    /// `None` if the letters before `OFF` are not those of a three-dimensional file.
+    fn from_letters(mut letters: &[u8]) -> Option<Self> {
+        let mut found = Self::default();
+        while !letters.is_empty() {
+            letters = if let Some(rest) = letters.strip_prefix(b"ST") {
+                found.texture = true;
+                rest
+            } else if let Some(rest) = letters.strip_prefix(b"C") {
+                found.color = true;
+                rest
+            } else {
+                found.normal = true;
+                found.color_first = !found.color;
+                letters.strip_prefix(b"N")?
+            };
+        }
+        Some(found)
     }
 }
 
-fn strip<'a>(bytes: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {
-    bytes.strip_prefix(prefix).map_or((false, bytes), |rest| (true, rest))
+/// The letters before `OFF` in a token that is the keyword. The first count may follow without a
+/// blank, as in the files of ModelNet.
+fn letters_of(token: &[u8]) -> Option<&[u8]> {
+    let end = token.windows(3).position(|three| three == b"OFF")?;
+    let (letters, rest) = (&token[..end], &token[end + 3..]);
+    let is_keyword = letters.len() <= 6
+        && letters.iter().all(|letter| b"STCN4n".contains(letter))
+        && rest.iter().all(u8::is_ascii_digit);
+    is_keyword.then_some(letters)
 }
 
-/// Returns true if the first token ends in `OFF`.
+/// Returns true if the first token is the keyword.
 fn looks_like(bytes: &[u8]) -> bool {
-    let mut cursor = Cursor::new(bytes, 0, Some(b'#'));
-    let token = cursor.token().unwrap_or_default();
-    token.len() <= 8 && token.is_ascii() && token.ends_with(b"OFF")
+    Cursor::new(bytes, 0, Some(b'#')).token().is_some_and(|token| letters_of(token).is_some())
+}
+
+/// Places at which lines may end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Breaks {
+    /// After each vertex and face; other numbers in a line are extra.
+    BetweenElements,
+    /// Between any two numbers of the vertices, and after each face.
+    InVertices,
+    /// Between any two numbers; faces have no colours.
+    Anywhere,
 }
 
 /// Parses a file, with or without the keyword.
 fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let mut cursor = Cursor::new(&text, 0, Some(b'#'));
-    cursor.more();
-    let keyword = cursor.peek();
-    let prefixes = if keyword.first().is_some_and(u8::is_ascii_digit) && !keyword.ends_with(b"OFF")
-    {
-        Prefixes::default()
-    } else {
-        let Some(prefixes) = Prefixes::from_keyword(keyword) else {
-            let expected = "OFF, perhaps with the prefixes ST, C, N";
-            return Err(cursor.fault(unexpected(expected, shown(keyword))));
-        };
-        cursor.token();
-        if cursor.more() && cursor.peek() == b"BINARY" {
-            return Err(cursor.fault(unexpected("an OFF file in text", "\"BINARY\"")));
-        }
-        prefixes
-    };
+    let prefixes = keyword(&mut cursor)?;
+    let mut after = cursor.clone();
+    if after.token() == Some(b"BINARY") {
+        return binary::parse(bytes, bytes.len() - after.remaining(), prefixes, broken);
+    }
     let vertex_count = cursor.count("the number of vertices")?;
     let face_count = cursor.count("the number of faces")?;
     // Some writers omit the number of edges, which is not used. It is on the
@@ -80,17 +101,63 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     if cursor.more_on_line() || (ahead.token().is_some() && !ahead.more_on_line()) {
         cursor.count("the number of edges")?;
     }
+    let counts = [vertex_count, face_count];
+    // Lines tell colours and extra numbers from the next element, so they come first.
+    let body = |breaks| parse_body(cursor.clone(), counts, prefixes, broken, breaks);
+    body(Breaks::BetweenElements).or_else(|fault| {
+        body(Breaks::InVertices).or_else(|_| body(Breaks::Anywhere)).map_err(|_| fault)
+    })
+}
 
+/// Takes the keyword, if there is one.
+fn keyword(cursor: &mut Cursor<'_>) -> Result<Prefixes, Fault> {
+    cursor.more();
+    let token = cursor.peek();
+    let Some(letters) = letters_of(token) else {
+        if token.first().is_some_and(u8::is_ascii_digit) {
+            return Ok(Prefixes::default());
+        }
+        let expected = "OFF, perhaps with the prefixes ST, C, N";
+        return Err(cursor.fault(unexpected(expected, shown(token))));
+    };
+    let Some(prefixes) = Prefixes::from_letters(letters) else {
+        let reason = match (letters.contains(&b'4'), letters.contains(&b'n')) {
+            (true, false) => "four coordinates of each position",
+            (_, true) => "positions of any dimension",
+            _ => "prefixes in an unknown order",
+        };
+        let expected = "OFF with three coordinates of each position, perhaps with ST, C, N";
+        return Err(cursor.fault(unexpected(expected, format!("{}, {reason}", shown(token)))));
+    };
+    cursor.skip(letters.len() + 3);
+    Ok(prefixes)
+}
+
+fn parse_body(
+    mut cursor: Cursor<'_>,
+    [vertex_count, face_count]: [u64; 2],
+    prefixes: Prefixes,
+    broken: Broken,
+    breaks: Breaks,
+) -> Result<Parsed, Fault> {
     let mut parsed = Parsed::default();
-    parse_vertices(&mut cursor, vertex_count, prefixes, broken, &mut parsed)?;
-    parse_faces(&mut cursor, face_count, broken, &mut parsed)?;
+    let one_line = !cursor.rest().trim_ascii().contains(&b'\n');
+    parse_vertices(&mut cursor, vertex_count, prefixes, broken, breaks, &mut parsed)?;
+    if breaks != Breaks::BetweenElements {
+        // A coordinate that is missing would shift the faces.
+        if cursor.more_on_line() && !one_line {
+            return Err(cursor.fault(unexpected("the end of the line", cursor.found())));
+        }
+        parsed.notes.push("the numbers of an element are not on a line of their own".to_owned());
+    }
+    parse_faces(&mut cursor, face_count, broken, breaks, &mut parsed)?;
     cursor.expect_end(&format!("{vertex_count} vertices and {face_count} faces"))?;
     Ok(parsed)
 }
 
-/// The contents of the lines of vertices.
+/// The contents of the vertices.
 #[derive(Default)]
-struct VertexLines {
+struct Vertices {
     broken: Broken,
     positions: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
@@ -100,32 +167,40 @@ struct VertexLines {
     extra: usize,
 }
 
-impl VertexLines {
-    fn parse(&mut self, cursor: &mut Cursor<'_>, prefixes: Prefixes) -> Result<(), Fault> {
+impl Vertices {
+    fn parse(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        prefixes: Prefixes,
+        breaks: Breaks,
+    ) -> Result<(), Fault> {
         let line = cursor.clone();
-        let position = triple(cursor, "a coordinate")?;
+        let position = triple(cursor, "a coordinate", breaks)?;
         check_finite(&position, self.positions.len(), self.broken)
             .map_err(|problem| line.fault(problem))?;
         self.positions.push(position);
-        if prefixes.normal {
-            self.normals.push(triple(cursor, "a component of the normal")?);
+        if prefixes.normal && !prefixes.color_first {
+            self.normals.push(triple(cursor, "a component of the normal", breaks)?);
         }
         if prefixes.color {
-            // Three or four numbers, then two of texture if announced.
-            let (mut values, mut found) = ([0.0; 4], 0);
-            while found < 4 && cursor.more_on_line() {
-                values[found] = cursor.float("a colour")?;
-                found += 1;
+            self.colors.push(triple(cursor, "a colour", breaks)?);
+            // Without lines, and before other numbers, only Geomview's four numbers are clear.
+            let before_normal = prefixes.normal && prefixes.color_first;
+            if breaks != Breaks::BetweenElements || before_normal || cursor.more_on_line() {
+                self.largest_alpha = self.largest_alpha.max(cursor.float("the alpha value")?);
             }
-            if found < 3 {
-                return Err(cursor.fault(unexpected("three or four colours", cursor.found())));
-            }
-            self.colors.push([values[0], values[1], values[2]]);
-            self.largest_alpha = self.largest_alpha.max(values[3]);
         }
-        if cursor.more_on_line() {
-            self.extra += usize::from(!prefixes.texture);
-            cursor.skip_line();
+        if prefixes.normal && prefixes.color_first {
+            self.normals.push(triple(cursor, "a component of the normal", breaks)?);
+        }
+        if breaks == Breaks::BetweenElements {
+            if cursor.more_on_line() {
+                self.extra += usize::from(!prefixes.texture);
+                cursor.skip_line();
+            }
+        } else if prefixes.texture {
+            cursor.float("a texture coordinate")?;
+            cursor.float("a texture coordinate")?;
         }
         Ok(())
     }
@@ -159,29 +234,30 @@ fn parse_vertices(
     count: u64,
     prefixes: Prefixes,
     broken: Broken,
+    breaks: Breaks,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     // A vertex takes six bytes or more, which bounds the memory that a false
     // count reserves.
     let room = (cursor.remaining() / 6).min(usize::try_from(count).unwrap_or(usize::MAX));
-    let mut lines =
-        VertexLines { positions: Vec::with_capacity(room), broken, ..Default::default() };
-    while (lines.positions.len() as u64) < count {
+    let mut vertices =
+        Vertices { positions: Vec::with_capacity(room), broken, ..Default::default() };
+    while (vertices.positions.len() as u64) < count {
         if !cursor.more() {
-            let found = format!("{} and then the end", lines.positions.len());
+            let found = format!("{} and then the end", vertices.positions.len());
             return Err(cursor.fault(unexpected(format!("{count} vertices"), found)));
         }
-        lines.parse(cursor, prefixes)?;
+        vertices.parse(cursor, prefixes, breaks)?;
     }
-    lines.finish(prefixes, parsed);
+    vertices.finish(prefixes, parsed);
     Ok(())
 }
 
-/// Parses three numbers on one line.
-fn triple(cursor: &mut Cursor<'_>, what: &str) -> Result<[f64; 3], Fault> {
+/// Parses three numbers, on one line if lines end between elements only.
+fn triple(cursor: &mut Cursor<'_>, what: &str, breaks: Breaks) -> Result<[f64; 3], Fault> {
     let mut triple = [0.0; 3];
     for x in &mut triple {
-        if !cursor.more_on_line() {
+        if breaks == Breaks::BetweenElements && !cursor.more_on_line() {
             return Err(cursor.fault(unexpected(what, cursor.found())));
         }
         *x = cursor.float(what)?;
@@ -193,6 +269,7 @@ fn parse_faces(
     cursor: &mut Cursor<'_>,
     count: u64,
     broken: Broken,
+    breaks: Breaks,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     let room = (cursor.remaining() / 8).min(usize::try_from(count).unwrap_or(usize::MAX));
@@ -206,7 +283,7 @@ fn parse_faces(
         let line = cursor.clone();
         let size = cursor.count("the number of corners")?;
         for corner in 0..size {
-            if !cursor.more_on_line() {
+            if breaks != Breaks::Anywhere && !cursor.more_on_line() {
                 let expected = format!("{size} corners in face {face}");
                 return Err(cursor.fault(unexpected(expected, corner.to_string())));
             }
@@ -215,12 +292,21 @@ fn parse_faces(
             faces.corner(index).map_err(|problem| at.fault(problem))?;
         }
         faces.end().map_err(|problem| line.fault(problem))?;
-        if cursor.more_on_line() {
+        if breaks == Breaks::Anywhere {
+            // A number that is missing shows in most files as a face that is too small.
+            if faces.small > 0 {
+                return Err(line.fault(unexpected("three corners or more", size.to_string())));
+            }
+        } else if cursor.more_on_line() {
             colored += 1;
             cursor.skip_line();
         }
     }
-    let FaceList { polygons, small, .. } = faces;
+    finish_faces(faces, colored, parsed);
+    Ok(())
+}
+
+fn finish_faces(FaceList { polygons, small, .. }: FaceList, colored: usize, parsed: &mut Parsed) {
     if small > 0 {
         parsed.notes.push(format!("{small} points and segments among the faces are ignored"));
     }
@@ -228,7 +314,6 @@ fn parse_faces(
         parsed.notes.push(format!("the colours of {colored} faces are ignored"));
     }
     parsed.polygons = polygons;
-    Ok(())
 }
 
 /// Encodes with the prefixes C for colours (red, green, blue and alpha from 0 to
@@ -264,86 +349,4 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::polygon::Polygons;
-
-    fn parsed(text: &str) -> Parsed {
-        parse(text.as_bytes(), Broken::Refused)
-            .unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
-    }
-
-    fn message(text: &str) -> String {
-        match parse(text.as_bytes(), Broken::Refused) {
-            Ok(_) => panic!("{text:?} was read"),
-            Err(fault) => format!("{}{}", fault.at, fault.problem),
-        }
-    }
-
-    #[test]
-    fn counts_and_comments_stand_anywhere() {
-        for text in [
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-            "OFF 3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2",
-            "# c\n OFF # c\n\n3 1\n# c\n0 0 0 # c\n\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n# end",
-            "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-            "OFF\n3\n1\n0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-        ] {
-            let parsed = parsed(text);
-            assert_eq!(parsed.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
-            assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2]]), "{text}");
-        }
-    }
-
-    #[test]
-    fn prefixes_say_what_follows_a_position() {
-        let parsed = parsed("STCNOFF 1 0 0\n1 2 3  0 0 1  0.2 0.4 1 0.5  0 1\n");
-        assert_eq!(parsed.positions, [[1.0, 2.0, 3.0]]);
-        assert_eq!(parsed.fields.vector("normal"), Some(&[[0.0, 0.0, 1.0]][..]));
-        assert_eq!(parsed.fields.colors, Some(vec![[51, 102, 255]]));
-        assert_eq!(parsed.notes.len(), 1);
-        let colors =
-            super::parse(b"COFF\n2 0 0\n0 0 0 1 2 255\n0 0 1 0 0 1 255\n", Broken::Refused)
-                .unwrap();
-        assert_eq!(colors.fields.colors, Some(vec![[1, 2, 255], [0, 0, 1]]));
-    }
-
-    #[test]
-    fn errors_name_the_line() {
-        for (text, expected) in [
-            (
-                "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-                "line 7: expected 1 faces, found 0 and then the end",
-            ),
-            (
-                "OFF\n2 1 0\n0 0 0\n1 0 0\n0 1 0\n",
-                "line 5: expected three corners or more in face 0, found 0",
-            ),
-            (
-                "OFF\n1 1 0\n0 0 0\n3 0 1 2\n",
-                "line 4: face 0 names vertex 1 (counted from 0), but there are 1",
-            ),
-            ("OFF\n1 1 0\n0 0 0\n3 0 -1 2\n", "line 4: face 0 names vertex -1"),
-            ("OFF\n1 0 0\n0 nan 0\n", "line 3: vertex 0 has the coordinate NaN"),
-            ("OFF\n1 0 0\n0 1e999 0\n", "line 3: vertex 0 has the coordinate inf"),
-            ("OFF\n1 0 0\n0 x 0\n", "line 3: expected a coordinate, found \"x\""),
-            ("OFF\n1 0 0\n0 0\n0", "line 3: expected a coordinate, found the end of the line"),
-            (
-                "OFF\n9999999999 0 0\n0 0 0\n",
-                "expected 9999999999 vertices, found 1 and then the end",
-            ),
-            ("OFF\n1 0 0\n0 0 0\n0 0 0\n", "line 4: expected the end of the file"),
-            (
-                "OFF\n1 99999999999 0\n0 0 0\n",
-                "expected 99999999999 faces, found 0 and then the end",
-            ),
-            ("OFF\n-1 0 0\n", "line 2: expected the number of vertices, found -1"),
-            ("4OFF\n1 0 0\n", "line 1: expected OFF"),
-            ("OFF BINARY\n\0\0", "line 1: expected an OFF file in text"),
-            ("OFF", "expected the number of vertices, found the end of the file"),
-        ] {
-            let message = message(text);
-            assert!(message.contains(expected), "{text:?}: {message}");
-        }
-    }
-}
+mod tests;
