@@ -76,7 +76,8 @@ pub enum OperatorError {
     },
     /// Balls hold far more faces or vertices than their radius in edges suggests.
     #[error(
-        "the ball of {edges} mean edges about vertex {vertex} holds {elements} faces or vertices, far more than on an even mesh: choose a smaller radius, or rings"
+        "the ball of {edges} mean edges about vertex {vertex} holds {elements} faces or \
+         vertices, far more than on an even mesh: choose a smaller radius, or rings"
     )]
     Crowded {
         /// The centre of the fullest of the balls that were examined.

@@ -153,7 +153,8 @@ pub enum FlowFailure {
     },
     /// One vertex is the neighbour of so many vertices of a region that its matrix would be dense.
     #[error(
-        "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: choose fewer, or order 1"
+        "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: \
+         choose fewer, or order 1"
     )]
     Hub {
         /// The vertex.
