@@ -19,10 +19,7 @@ pub(crate) fn triangulate(
     }
     let note = crossing.first().map(|face| {
         let count = crossing.len();
-        format!(
-            "face {face} crosses itself or has no area: its triangles may overlap ({count} such \
-             faces)"
-        )
+        format!("{count} faces cross themselves or have no area, the first is face {face}")
     });
     (mesh, fields, note)
 }

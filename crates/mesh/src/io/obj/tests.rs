@@ -124,7 +124,10 @@ fn statements_belong_to_the_faces_after_them() {
     }
     let names = |keyword| [0, 1, 2, 3, 4].map(|f| whole.name(keyword, f));
     assert_eq!(whole.libraries, [b"a b.mtl"]);
-    assert_eq!(names("o"), [None, Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..])]);
+    assert_eq!(
+        names("o"),
+        [None, Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..])]
+    );
     let left = Some(&b"left side"[..]);
     assert_eq!(names("g"), [None, left, left, Some(b""), Some(b"")]);
     assert_eq!(names("usemtl"), [None, red, red, Some(&b"blue"[..]), red]);
