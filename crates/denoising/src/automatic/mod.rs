@@ -22,6 +22,7 @@ pub mod training;
 mod wide;
 
 use std::borrow::Cow;
+use std::ops;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -33,7 +34,7 @@ use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
-use correlation::{correlation_across_edges, mean_displacement, variance_of_means};
+use correlation::{correlation_across_edges, is_open, mean_displacement, variance_of_means};
 use follow::{Follow, relabel};
 use impulses::{Impulses, has_impulses};
 use merge::{Merged, VolumeNoise};
@@ -43,12 +44,12 @@ use parts::Part;
 use planes::{Evidence, flatten};
 use restraint::{Allowed, Restrained, restrained};
 use safety::{Unflipped, without_flips};
-use spikes::{without_impulses, without_spikes};
+use spikes::{counted_spikes, without_impulses, without_spikes};
 use stage::{advance, blocks};
 use state::{FAR, State};
 use surface::face_kinds;
 
-pub use surface::FaceKind;
+pub use surface::{FaceKind, SurfaceKind};
 
 /// The largest noise level that counts as rounding, in mean edge lengths.
 const ROUNDING: f64 = 1e-7;
@@ -62,6 +63,11 @@ const WEAK: f64 = 1e-3;
 /// views of the development set it is negative under independent noise of 0.05 edges or more, and
 /// 0.23 or more under correlated noise on 143 of 144.
 const CORRELATED: f64 = 0.15;
+
+/// The correlation of residuals on open surfaces from which they are taken for correlated noise, as
+/// on nine in ten views of models of the development set with such noise and one in fifty with
+/// independent noise; beyond the upper one for the shape of a smooth sheet.
+const RESIDUALS: ops::Range<f64> = 0.05..0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
@@ -88,27 +94,6 @@ const EXPECTED_CORRELATED: (f64, f64) = (2810.0, 1.134);
 /// The same for total generalised variation, from the noise level at two edges in mean edge
 /// lengths: a fit on scans of the models of the development set by a depth camera.
 const EXPECTED_FILTERED: (f64, f64) = (19.3, 0.73);
-
-/// The kind of surface of a whole mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SurfaceKind {
-    /// The creases are together as long as two diagonals: a designed model.
-    Creased,
-    /// The surface has fewer creases or none, like most scans.
-    Smooth,
-    /// No noise was found, and no vertex was moved.
-    Clean,
-    /// The faces are too uneven for normals to determine positions, and no vertex was moved.
-    Uneven,
-}
-
-fairing_parameters::named!(SurfaceKind, "kind of surface",
-    Creased: "creased",
-    Smooth: "smooth",
-    Clean: "clean",
-    Uneven: "uneven",
-);
 
 /// Result of [`automatic`].
 #[derive(Debug, Clone)]
@@ -207,7 +192,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    models (`cargo xtask benchmark train`) and built into this crate. If the displacements of the
 ///    vertices correlate across edges by more than 0.15 after the last stage, as where details were
 ///    taken for noise, the stages begin anew with networks that are trained on correlated noise;
-///    these are taken if they move the vertices less.
+///    these are taken if they move the vertices less, and on open surfaces whose residuals
+///    correlate by 0.05 to 0.4 ([`NoiseEstimate::correlation`]).
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -223,8 +209,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// relief and at creases, it is that of the rest of the mesh; and where they are alike on more than
 /// half of it, relief and correlated noise cannot be told apart, and the level is smaller
 /// in proportion ([`Automatic::undecided`]). Distances from planes count as noise if a quarter of
-/// the surface lies in planes. Correlated noise that was found has its own level
-/// ([`NoiseEstimate::wide_sigma`]), and so have surfaces of volumes; both are bounded as a whole.
+/// the surface lies in planes. Three kinds of noise have a level of their own, which bounds the
+/// displacement as a whole: correlated noise that was found ([`NoiseEstimate::wide_sigma`]), that
+/// of open surfaces whose residuals correlate (measured at four edges), and that of volumes.
 ///
 /// Where the noise is found to be that of a depth camera ([`NoiseEstimate::correlation_length`]),
 /// and the networks expect to leave more than 2°, the normals are those of
@@ -365,25 +352,6 @@ fn tasks(
     tasks.filter(|(group, _)| !group.components.is_empty()).collect()
 }
 
-/// The number of spikes among positions and the distance of the farthest from its place; those that
-/// `stay` go back to where they were.
-fn counted_spikes(
-    original: &TriMesh,
-    positions: &mut [[f64; 3]],
-    stay: impl Fn(u32) -> bool,
-) -> (usize, f64) {
-    let (mut count, mut farthest) = (0, 0.0f64);
-    for (v, (position, &from)) in (0..).zip(positions.iter_mut().zip(original.positions())) {
-        if stay(v) {
-            *position = from;
-        } else if *position != from {
-            count += 1;
-            farthest = DVec3::from(*position).distance(from.into()).max(farthest);
-        }
-    }
-    (count, farthest)
-}
-
 /// The parts that have a vertex that may move.
 fn movable(input: Masked<'_>) -> Vec<bool> {
     let parts = input.mesh().topology().components();
@@ -432,9 +400,13 @@ impl Settings {
     /// The noise that displacements may remove, for a level without the strength. A strength above
     /// one takes what may be relief for noise as well.
     fn allowed(&self, input: Masked<'_>, level: &NoiseEstimate) -> Allowed {
-        let mut allowed = match self.volume_noise.is_some() || level.correlation_length > 0.0 {
-            true => Allowed::uniform(level.wide_sigma.max(level.sigma)),
-            false => Allowed::measured(input, level),
+        let wide = level.wide_sigma.max(level.sigma);
+        let mut allowed = if self.volume_noise.is_some() || level.correlation_length > 0.0 {
+            Allowed::uniform(wide)
+        } else if is_sheet_of_waves(input.mesh(), level) {
+            Allowed::uniform(level_at_scale(input.mesh(), 4).map_or(wide, |four| four.max(wide)))
+        } else {
+            Allowed::measured(input, level)
         };
         let wanted = 1.0 - 1.0 / (self.strength * self.strength);
         allowed.at_least(level.sigma * wanted.max(0.0).sqrt());
@@ -581,8 +553,14 @@ fn after_stages<'a>(
     Ok(state)
 }
 
+/// Returns `true` for an open surface whose residuals are correlated as by the noise of a scanner.
+fn is_sheet_of_waves(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
+    is_open(mesh) && RESIDUALS.contains(&level.correlation)
+}
+
 /// The normals by the networks; if their displacements are correlated, by those for correlated
-/// noise, provided that these move the vertices less: relief that the first take for noise.
+/// noise, provided that these move the vertices less, as where the first take relief for noise, or
+/// that the surface is a sheet of waves.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,
@@ -594,7 +572,8 @@ fn regressed(
     let mut expected_error = expected(&state, EXPECTED);
     if may_be_correlated && is_correlated(&state) {
         let other = after_stages(input, level, true)?;
-        if mean_displacement(&other) < mean_displacement(&state) {
+        let moves_less = mean_displacement(&other) < mean_displacement(&state);
+        if moves_less || is_sheet_of_waves(mesh, &level) {
             expected_error = expected_error.max(expected(&other, EXPECTED_CORRELATED));
             state = other;
         }

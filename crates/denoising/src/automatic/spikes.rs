@@ -191,6 +191,25 @@ fn median_around(mesh: &TriMesh, heights: &[Height], v: u32, distance: fn(&Heigh
     *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The number of spikes among positions and the distance of the farthest from its place; those that
+/// `stay` go back to where they were.
+pub(super) fn counted_spikes(
+    original: &TriMesh,
+    positions: &mut [[f64; 3]],
+    stay: impl Fn(u32) -> bool,
+) -> (usize, f64) {
+    let (mut count, mut farthest) = (0, 0.0f64);
+    for (v, (position, &from)) in (0..).zip(positions.iter_mut().zip(original.positions())) {
+        if stay(v) {
+            *position = from;
+        } else if *position != from {
+            count += 1;
+            farthest = DVec3::from(*position).distance(from.into()).max(farthest);
+        }
+    }
+    (count, farthest)
+}
+
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;

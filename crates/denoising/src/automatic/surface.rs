@@ -21,6 +21,27 @@ const FLAT: f64 = 0.999_390_827_019_095_7;
 /// relief), and designed models 3.9 or more.
 const CREASE_LENGTH: f64 = 2.0;
 
+/// The kind of surface of a whole mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SurfaceKind {
+    /// The creases are together as long as two diagonals: a designed model.
+    Creased,
+    /// The surface has fewer creases or none, like most scans.
+    Smooth,
+    /// No noise was found, and no vertex was moved.
+    Clean,
+    /// The faces are too uneven for normals to determine positions, and no vertex was moved.
+    Uneven,
+}
+
+fairing_parameters::named!(SurfaceKind, "kind of surface",
+    Creased: "creased",
+    Smooth: "smooth",
+    Clean: "clean",
+    Uneven: "uneven",
+);
+
 /// The kind of surface at a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
