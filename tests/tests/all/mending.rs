@@ -1,4 +1,4 @@
-//! What `repair` merges, turns, fills and leaves, through the program.
+//! Repairs through the program: vertices merged, parts turned, holes filled and left.
 
 use fairing_mesh::io::{self, NumberType};
 use fairing_mesh::{RepairStep, TriMesh};

@@ -68,7 +68,8 @@ fn is_idempotent(folder: &Path) -> Result<(), Failed> {
 }
 
 /// No corner of a face moves, if only equal positions are merged. What is closed once it is welded
-/// stays closed, apart from one edge in a thousand: fins that hang on fins, and edges that no pairs of sheets can share.
+/// stays closed, apart from one edge in a thousand: fins that hang on fins, and edges that no pairs
+/// of sheets can share.
 fn keeps(folder: &Path) -> Result<(), Failed> {
     each(folder, |mesh| {
         let welded = mesh.welded().mesh;

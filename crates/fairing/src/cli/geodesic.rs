@@ -15,10 +15,10 @@ use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
+use super::formats::{INPUT_FORMAT, formats};
 use super::inputs::{Inputs, Summary, check_distinct, output_for};
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
-use super::{INPUT_FORMAT, formats};
 
 const EXAMPLES: &str = "\
 Examples:

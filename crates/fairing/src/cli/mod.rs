@@ -10,6 +10,7 @@ mod convert;
 mod curvature;
 mod denoise;
 mod files;
+mod formats;
 mod geodesic;
 mod info;
 mod inputs;
@@ -31,31 +32,17 @@ mod table;
 use std::path::Path;
 use std::process::ExitCode;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, Parser, Subcommand};
 use fairing::mesh::io::Format;
 use fairing::watch::Watch;
 use indicatif::ProgressBar;
 
 use context::{Context, Failure};
+use formats::{INPUT_FORMAT, formats};
 
 /// Formats, exit codes and examples, printed below the help of the program.
 fn after_help() -> String {
     format!("Formats: {}{AFTER_FORMATS}", Format::ALL.map(Format::name).join(", "))
-}
-
-/// The identifier of the option for the format of the standard input. A verb whose own option is
-/// called `--from` has one of this identifier under another name.
-const INPUT_FORMAT: &str = "input_format";
-
-/// The formats by the extensions of their files.
-fn formats() -> impl TypedValueParser<Value = Format> {
-    let names = Format::ALL
-        .into_iter()
-        .map(|format| PossibleValue::new(format.extensions()[0]).help(format.name()));
-    PossibleValuesParser::new(names).try_map(|name| {
-        Format::from_path(Path::new(&format!("stdin.{name}"))).map(|named| named.format).ok_or(name)
-    })
 }
 
 const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extension decides.

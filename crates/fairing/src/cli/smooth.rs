@@ -56,7 +56,8 @@ Examples:
 /// Smooth a mesh by a flow, by a filter or by fairing a region
 ///
 /// Moves the vertices and keeps the faces, polygons and materials of the file included. Vertex
-/// properties are kept, except normals, which do not fit the moved vertices. The guide below helps to choose a method.
+/// properties are kept, except normals, which do not fit the moved vertices. The guide below helps
+/// to choose a method.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Smooth {

@@ -19,9 +19,9 @@
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
 //! - Vertex and face properties of PLY, VTP, GLB, PCD and XYZ, colours and normals of vertices and
-//!   texture coordinates of corners of OBJ, and colours and normals of OFF become
-//!   [`VertexFields`]; objects, groups and materials of OBJ become [`Statements`]. All other content
-//!   (materials of GLB, cameras, …) is ignored and named in the report.
+//!   texture coordinates of corners of OBJ, and colours and normals of OFF become [`VertexFields`];
+//!   objects, groups and materials of OBJ become [`Statements`]. All other content (materials of
+//!   GLB, cameras, …) is ignored and named in the report.
 //! - Names of properties have a meaning in PLY, PCD and XYZ (`x`, `red`, `normal_x`, …), so a field
 //!   of such a name is written under another one, which the report names.
 //! - GLB is one mesh: the meshes of its scene, transformed by their nodes. glTF in JSON is read

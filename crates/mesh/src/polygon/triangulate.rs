@@ -5,11 +5,9 @@ mod tree;
 
 use glam::DVec3;
 
+use self::ears::{Split, fan, turn};
 use crate::polygon::PolygonMesh;
 use crate::trimesh::TriMesh;
-
-/// The sine of a turn that rounding may produce in a straight line.
-const STRAIGHT: f64 = 1e-10;
 
 impl PolygonMesh {
     /// Splits the polygons into triangles: n − 2 for n corners, in the order
@@ -69,13 +67,6 @@ fn triangles(mesh: &PolygonMesh) -> (Vec<[usize; 3]>, Vec<usize>) {
     (triangles, crossing)
 }
 
-/// The triangles of one polygon, by the numbers of its corners.
-struct Split {
-    triangles: Vec<[usize; 3]>,
-    /// False if the polygon ran out of ears: it crosses itself or has no area.
-    simple: bool,
-}
-
 fn split(points: &[DVec3]) -> Split {
     let points = centered(points);
     let normal = area_vector(&points);
@@ -89,10 +80,6 @@ fn split(points: &[DVec3]) -> Split {
         return Split { triangles: fan(&all), simple: true };
     }
     ears::cut(&points, normal)
-}
-
-fn fan(corners: &[usize]) -> Vec<[usize; 3]> {
-    corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
 }
 
 /// The polygon moved and scaled into the unit cube, so that products neither
@@ -112,14 +99,6 @@ fn centered(points: &[DVec3]) -> Vec<DVec3> {
 fn area_vector(points: &[DVec3]) -> DVec3 {
     let next = points.iter().cycle().skip(1);
     points.iter().zip(next).map(|(&p, &q)| p.cross(q)).sum()
-}
-
-/// The turn of the path p, q, r at q: twice the signed area seen along the normal,
-/// or 0 if it is no more than rounding.
-fn turn(p: DVec3, q: DVec3, r: DVec3, normal: DVec3) -> f64 {
-    let (a, b) = (q - p, r - q);
-    let turn = a.cross(b).dot(normal);
-    if turn.abs() > STRAIGHT * a.length() * b.length() * normal.length() { turn } else { 0.0 }
 }
 
 #[cfg(test)]

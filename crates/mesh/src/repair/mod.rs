@@ -8,6 +8,7 @@
 mod copies;
 mod holes;
 mod merge;
+mod near;
 mod options;
 mod outward;
 mod patch;
@@ -43,8 +44,9 @@ const MAX_ROUNDS: usize = 64;
 ///   boundary; a cap exchanges its longest edge.
 /// - A hole gets the triangulation of least area \[barequet1995\] that repeats no edge of the mesh,
 ///   refined to the edge lengths around it \[liepa2003\]. A boundary that passes a place more than
-///   once is a hole for each time, so that holes that touch are filled one by one. Its inner vertices lie on that
-///   triangulation, flat over a curved surface: `repair_fair` of the smoothing crate bends them.
+///   once is a hole for each time, so that holes that touch are filled one by one. Its inner
+///   vertices lie on that triangulation, flat over a curved surface: `repair_fair` of the smoothing
+///   crate bends them.
 ///
 /// Time is linear in the mesh apart from a sort, cubic in the edges of a hole, and for closed
 /// components inside others the product of their number and the faces around them.
@@ -158,7 +160,7 @@ impl Work {
         let any = filled.mesh.face_count() > self.mesh.face_count();
         if any && filled.settle(options) && boundary(&filled) < before {
             *self = filled;
-            let patch = patch_vertices(&self.vertex_sources);
+            let patch = result::patch_vertices(&self.vertex_sources);
             if let Some(mesh) = (!patch.is_empty()).then(|| place(&self.mesh, patch)).flatten() {
                 let mut placed = Self { mesh, ..self.clone() };
                 if placed.settle(options) && boundary(&placed) < before {
@@ -306,12 +308,6 @@ impl Work {
         let pairs = first.iter().zip(sources).map(|(&first, &v)| (sources[first as usize], v));
         pairs.filter(|(first, v)| first != v).filter_map(|(_, v)| v).collect()
     }
-}
-
-/// The vertices without a source.
-fn patch_vertices(sources: &[Option<u32>]) -> Vec<u32> {
-    let new = sources.iter().enumerate().filter(|(_, source)| source.is_none());
-    new.map(|(v, _)| v as u32).collect()
 }
 
 /// The items that are kept.

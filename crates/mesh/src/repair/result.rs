@@ -1,6 +1,5 @@
 //! The result of a repair.
 
-use super::patch_vertices;
 use crate::TriMesh;
 #[cfg(feature = "io")]
 use crate::io::{NumberType, VertexFields};
@@ -204,4 +203,10 @@ impl Repaired {
         let steps = [MergedVertices, TurnedFaces, ThinFaces, FilledHoles];
         steps.iter().any(|&step| !self.changed(step).is_empty())
     }
+}
+
+/// The vertices without a source.
+pub(super) fn patch_vertices(sources: &[Option<u32>]) -> Vec<u32> {
+    let new = sources.iter().enumerate().filter(|(_, source)| source.is_none());
+    new.map(|(v, _)| v as u32).collect()
 }

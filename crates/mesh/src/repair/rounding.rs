@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
-use super::merge::within;
+use super::near::within;
 use crate::TriMesh;
 use crate::weld::places_of;
 

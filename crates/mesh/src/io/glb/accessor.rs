@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::glb::document::{Document, Entry};
+use crate::io::glb::document::Document;
+use crate::io::glb::entry::Entry;
 use crate::io::{NumberType, ReadOptions};
 
 /// The reader of arrays.

@@ -10,7 +10,8 @@ use crate::io::error::{Fault, unexpected};
 use crate::io::glb::accessor::Accessors;
 use crate::io::glb::buffers::Beside;
 use crate::io::glb::color::to_srgb;
-use crate::io::glb::document::{Document, Entry, POINTS, TRIANGLES};
+use crate::io::glb::document::{Document, POINTS, TRIANGLES};
+use crate::io::glb::entry::Entry;
 use crate::io::glb::scene::{Instance, instances};
 use crate::io::parsed::{Broken, NO_VERTEX, Parsed, check_finite, strip_triangles, vertex_index};
 

@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::io::ReadProblem;
 use crate::io::error::Fault;
-use crate::io::glb::document::Entry;
+use crate::io::glb::entry::Entry;
 
 /// The folder of a file, in which its buffers are, and the most bytes that are read of them.
 #[derive(Clone, Copy, Default)]

@@ -11,6 +11,7 @@ mod buffers;
 mod color;
 mod document;
 mod encode;
+mod entry;
 mod scene;
 
 pub(super) use crate::io::glb::assemble::parse;

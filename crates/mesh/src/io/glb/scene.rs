@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::io::error::Fault;
-use crate::io::glb::document::Entry;
+use crate::io::glb::entry::Entry;
 
 /// A mesh in its place.
 pub(super) struct Instance {

@@ -5,7 +5,7 @@
 //! colour and these. All are big-endian numbers of 32 bits.
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::off::{Prefixes, Vertices, finish_faces};
+use crate::io::off::content::{Prefixes, Vertices, finish_faces};
 use crate::io::parsed::{Broken, FaceList, Parsed, check_finite};
 
 /// Numbers of four bytes.

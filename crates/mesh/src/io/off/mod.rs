@@ -8,9 +8,11 @@
 //! After `OFF BINARY`, numbers are big-endian and of 32 bits.
 
 mod binary;
+mod content;
 
 use crate::io::error::{Fault, WriteProblem, unexpected};
 use crate::io::number::{put_float, put_integer, put_triple};
+use crate::io::off::content::{Prefixes, Vertices, finish_faces};
 use crate::io::parsed::{Broken, FaceList, Parsed, bytes_of_colors, check_finite};
 use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, face_lines, lines};
@@ -25,37 +27,6 @@ pub(super) const FORMAT: Row = Row {
     encode,
     holds: Holds::TEXT,
 };
-
-/// Vertex data announced by the prefixes of the keyword.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Prefixes {
-    texture: bool,
-    color: bool,
-    normal: bool,
-    /// Colours precede normals.
-    color_first: bool,
-}
-
-impl Prefixes {
-    /// `None` if the letters before `OFF` are not those of a three-dimensional file.
-    fn from_letters(mut letters: &[u8]) -> Option<Self> {
-        let mut found = Self::default();
-        while !letters.is_empty() {
-            letters = if let Some(rest) = letters.strip_prefix(b"ST") {
-                found.texture = true;
-                rest
-            } else if let Some(rest) = letters.strip_prefix(b"C") {
-                found.color = true;
-                rest
-            } else {
-                found.normal = true;
-                found.color_first = !found.color;
-                letters.strip_prefix(b"N")?
-            };
-        }
-        Some(found)
-    }
-}
 
 /// The letters before `OFF` in a token that is the keyword. The first count may follow without a
 /// blank, as in the files of ModelNet.
@@ -153,18 +124,6 @@ fn parse_body(
     parse_faces(&mut cursor, face_count, broken, breaks, &mut parsed)?;
     cursor.expect_end(&format!("{vertex_count} vertices and {face_count} faces"))?;
     Ok(parsed)
-}
-
-/// The contents of the vertices.
-#[derive(Default)]
-struct Vertices {
-    broken: Broken,
-    positions: Vec<[f64; 3]>,
-    normals: Vec<[f64; 3]>,
-    colors: Vec<[f64; 3]>,
-    largest_alpha: f64,
-    /// The number of lines with more numbers than the keyword announces.
-    extra: usize,
 }
 
 impl Vertices {
@@ -304,16 +263,6 @@ fn parse_faces(
     }
     finish_faces(faces, colored, parsed);
     Ok(())
-}
-
-fn finish_faces(FaceList { polygons, small, .. }: FaceList, colored: usize, parsed: &mut Parsed) {
-    if small > 0 {
-        parsed.notes.push(format!("{small} points and segments among the faces are ignored"));
-    }
-    if colored > 0 {
-        parsed.notes.push(format!("the colours of {colored} faces are ignored"));
-    }
-    parsed.polygons = polygons;
 }
 
 /// Encodes with the prefixes C for colours (red, green, blue and alpha from 0 to

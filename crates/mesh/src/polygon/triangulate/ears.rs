@@ -6,7 +6,28 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use super::tree::{Tree, Triangle};
-use super::{Split, fan, turn};
+
+/// The sine of a turn that rounding may produce in a straight line.
+const STRAIGHT: f64 = 1e-10;
+
+/// The triangles of one polygon, by the numbers of its corners.
+pub(super) struct Split {
+    pub(super) triangles: Vec<[usize; 3]>,
+    /// False if the polygon ran out of ears: it crosses itself or has no area.
+    pub(super) simple: bool,
+}
+
+pub(super) fn fan(corners: &[usize]) -> Vec<[usize; 3]> {
+    corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+}
+
+/// The turn of the path p, q, r at q: twice the signed area seen along the normal,
+/// or 0 if it is no more than rounding.
+pub(super) fn turn(p: DVec3, q: DVec3, r: DVec3, normal: DVec3) -> f64 {
+    let (a, b) = (q - p, r - q);
+    let turn = a.cross(b).dot(normal);
+    if turn.abs() > STRAIGHT * a.length() * b.length() * normal.length() { turn } else { 0.0 }
+}
 
 /// The neighbour of a corner that is cut.
 const CUT: usize = usize::MAX;
