@@ -124,14 +124,12 @@ fn statements_belong_to_the_faces_after_them() {
     }
     let names = |keyword| [0, 1, 2, 3, 4].map(|f| whole.name(keyword, f));
     assert_eq!(whole.libraries, [b"a b.mtl"]);
-    assert_eq!(
-        names("o"),
-        [None, Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..]), Some(&b"part"[..])]
-    );
+    let [part, off] = [&b"part"[..], b"off"].map(Some);
+    assert_eq!(names("o"), [None, part, part, part, part]);
     let left = Some(&b"left side"[..]);
     assert_eq!(names("g"), [None, left, left, Some(b""), Some(b"")]);
-    assert_eq!(names("usemtl"), [None, red, red, Some(&b"blue"[..]), red]);
-    assert_eq!(names("s"), [None, None, None, Some(&b"off"[..]), Some(&b"off"[..])]);
+    assert_eq!(names("usemtl"), [None, red, red, Some(b"blue"), red]);
+    assert_eq!(names("s"), [None, None, None, off, off]);
     let read = |bytes: &[u8]| read_bytes("a.obj", bytes, &ReadOptions::strict()).unwrap();
     let file = read(text.as_bytes());
     let written = to_bytes(Format::Obj, &file.mesh, &file.fields, &WriteOptions::default());
