@@ -2,6 +2,7 @@
 
 /// Programs that read the other formats.
 const VTK: &str = "`meshio convert` or ParaView";
+const PARAVIEW: &str = "ParaView";
 const MESHIO: &str = "`meshio convert` or Gmsh";
 const BLENDER: &str = "Blender";
 const CAD: &str = "FreeCAD or Gmsh";
@@ -51,13 +52,13 @@ const PACKED: [(&[u8], &str, &str); 4] = [
 /// XML by an element near its beginning.
 const XML: [(&[u8], &str, &str); 14] = [
     (b"\"UnstructuredGrid\"", "a VTK unstructured grid (VTU)", VTK),
-    (b"\"PUnstructuredGrid\"", "a VTK unstructured grid in parts (PVTU)", VTK),
-    (b"\"PPolyData\"", "a VTK surface in parts (PVTP)", VTK),
-    (b"\"ImageData\"", "a VTK image (VTI)", VTK),
-    (b"\"StructuredGrid\"", "a VTK structured grid (VTS)", VTK),
-    (b"\"RectilinearGrid\"", "a VTK rectilinear grid (VTR)", VTK),
-    (b"\"vtkMultiBlockDataSet\"", "a VTK list of blocks (VTM)", VTK),
-    (b"<VTKFile", "a VTK file of another type than PolyData", VTK),
+    (b"\"PUnstructuredGrid\"", "a VTK unstructured grid in parts (PVTU)", PARAVIEW),
+    (b"\"PPolyData\"", "a VTK surface in parts (PVTP)", PARAVIEW),
+    (b"\"ImageData\"", "a VTK image (VTI)", PARAVIEW),
+    (b"\"StructuredGrid\"", "a VTK structured grid (VTS)", PARAVIEW),
+    (b"\"RectilinearGrid\"", "a VTK rectilinear grid (VTR)", PARAVIEW),
+    (b"\"vtkMultiBlockDataSet\"", "a VTK list of blocks (VTM)", PARAVIEW),
+    (b"<VTKFile", "a VTK file of another type than PolyData", PARAVIEW),
     (b"<COLLADA", "a COLLADA file (DAE)", BLENDER),
     (b"<X3D", "an X3D file", "MeshLab"),
     (b"<Xdmf", "an XDMF file", VTK),

@@ -77,9 +77,17 @@ fn split(points: &[DVec3]) -> Split {
     };
     if (0..n).all(turns_left) {
         let all: Vec<usize> = (0..n).collect();
-        return Split { triangles: fan(&all), simple: true };
+        return Split { triangles: fan(&all), simple: rounds(&points) == 1 };
     }
     ears::cut(&points, normal)
+}
+
+/// The number of times that the sides of a polygon turn around, if all corners turn alike: one if
+/// it is convex, more if it crosses itself.
+fn rounds(points: &[DVec3]) -> usize {
+    let side = |k: usize| points[(k + 1) % points.len()] - points[k % points.len()];
+    let is_ahead = |k: usize| side(k).dot(side(0)) >= 0.0;
+    (0..points.len()).filter(|&k| !is_ahead(k) && is_ahead(k + 1)).count()
 }
 
 /// The polygon moved and scaled into the unit cube, so that products neither

@@ -155,8 +155,10 @@ fn polygons_that_cross_themselves_are_found() {
     let dart = [[0.0, 0.0, 2.0], [4.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 4.0, 2.0]];
     assert_eq!(crossing(&bow_tie), [0]);
     assert!(crossing(&dart).is_empty());
-    // All corners turn alike: a fan, which goes round twice as the polygon does.
-    assert!(crossing(&five_pointed).is_empty());
+    // All corners turn alike, and the sides go round twice.
+    assert_eq!(crossing(&five_pointed), [0]);
+    let ten = (0..10).map(|k| f64::from(k) * std::f64::consts::TAU / 10.0);
+    assert!(crossing(&ten.map(|t| [t.cos(), t.sin(), 0.0]).collect::<Vec<_>>()).is_empty());
 }
 
 #[test]
