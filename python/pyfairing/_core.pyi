@@ -179,7 +179,8 @@ def smooth(
 def denoise(
     mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call
 ) -> tuple[
-    Mesh, tuple[list[float] | None, str, str | None, float | None, int] | None
+    Mesh,
+    tuple[list[float] | None, str, str | None, float | None, float, tuple[int, int, int]] | None,
 ]: ...
 def noise(
     mesh: Mesh,

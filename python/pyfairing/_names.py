@@ -120,7 +120,7 @@ class MethodParameters(TypedDict, total=False):
     pass_band: float | None
     mu: float | None
     degree: int | None
-    window: Literal["hanning", "hamming", "blackman"] | None
+    window: Literal["hanning", "hamming", "blackman", "nuttall"] | None
     alpha: float | None
     beta: float | None
     fraction: float | None
