@@ -208,7 +208,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// that of the residuals where those of neighbours are independent. Where they are alike, as on
 /// relief and at creases, it is that of the rest of the mesh; and where they are alike on more than
 /// half of it, relief and correlated noise cannot be told apart, and the level is smaller
-/// in proportion ([`Automatic::undecided`]). Distances from planes count as noise if a quarter of
+/// in proportion ([`Automatic::undecided`]), by a tenth of an edge at most. Distances from planes count as noise if a quarter of
 /// the surface lies in planes. Three kinds of noise have a level of their own, which bounds the
 /// displacement as a whole: correlated noise that was found ([`NoiseEstimate::wide_sigma`]), that
 /// of open surfaces whose residuals correlate (measured at four edges), and that of volumes.
