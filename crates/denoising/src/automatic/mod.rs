@@ -193,7 +193,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 ///    vertices correlate across edges by more than 0.15 after the last stage, as where details were
 ///    taken for noise, the stages begin anew with networks that are trained on correlated noise;
 ///    these are taken if they move the vertices less, and on open surfaces whose residuals
-///    correlate by 0.05 to 0.4 ([`NoiseEstimate::correlation`]).
+///    correlate by 0.05 to 0.4 ([`NoiseEstimate::correlation`]); on surfaces of volumes, if they
+///    move them more.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -211,7 +212,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// in proportion ([`Automatic::undecided`]), by a tenth of an edge at most. Distances from planes count as noise if a quarter of
 /// the surface lies in planes. Three kinds of noise have a level of their own, which bounds the
 /// displacement as a whole: correlated noise that was found ([`NoiseEstimate::wide_sigma`]), that
-/// of open surfaces whose residuals correlate (measured at four edges), and that of volumes.
+/// of open surfaces whose residuals correlate, and that of volumes (measured at four edges).
 ///
 /// Where the noise is found to be that of a depth camera ([`NoiseEstimate::correlation_length`]),
 /// and the networks expect to leave more than 2°, the normals are those of
@@ -401,9 +402,9 @@ impl Settings {
     /// one takes what may be relief for noise as well.
     fn allowed(&self, input: Masked<'_>, level: &NoiseEstimate) -> Allowed {
         let wide = level.wide_sigma.max(level.sigma);
-        let mut allowed = if self.volume_noise.is_some() || level.correlation_length > 0.0 {
+        let mut allowed = if level.correlation_length > 0.0 {
             Allowed::uniform(wide)
-        } else if is_sheet_of_waves(input.mesh(), level) {
+        } else if self.volume_noise.is_some() || is_sheet_of_waves(input.mesh(), level) {
             Allowed::uniform(level_at_scale(input.mesh(), 4).map_or(wide, |four| four.max(wide)))
         } else {
             Allowed::measured(input, level)
@@ -477,7 +478,7 @@ fn denoise(
         return Ok(Denoised::clean(mesh.clone()));
     }
     let mut approach = Approach::Networks;
-    let mut normals = regressed(input, level, settings.may_be_correlated)?;
+    let mut normals = regressed(input, level, settings)?;
     if level.correlation_length > 0.0 && normals.expected_error > Some(MISTAKEN) {
         approach = Approach::TotalGeneralisedVariation;
         let two = level_at_scale(mesh, 2).unwrap_or(level.wide_sigma / settings.strength);
@@ -560,20 +561,25 @@ fn is_sheet_of_waves(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
 
 /// The normals by the networks; if their displacements are correlated, by those for correlated
 /// noise, provided that these move the vertices less, as where the first take relief for noise, or
-/// that the surface is a sheet of waves.
+/// that the surface is a sheet of waves; on surfaces of volumes, if they move them more: filtered
+/// noise that the first take for shape.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,
-    may_be_correlated: bool,
+    settings: Settings,
 ) -> Result<Normals, DenoiseError> {
     let mesh = input.mesh();
     let mut state = after_stages(input, level, false)?;
     let expected = |state: &State<'_>, (factor, power)| factor * libm::pow(state.apart, power);
     let mut expected_error = expected(&state, EXPECTED);
-    if may_be_correlated && is_correlated(&state) {
+    if settings.may_be_correlated && is_correlated(&state) {
         let other = after_stages(input, level, true)?;
         let moves_less = mean_displacement(&other) < mean_displacement(&state);
-        if moves_less || is_sheet_of_waves(mesh, &level) {
+        let is_better = match settings.volume_noise {
+            Some(_) => !moves_less,
+            None => moves_less || is_sheet_of_waves(mesh, &level),
+        };
+        if is_better {
             expected_error = expected_error.max(expected(&other, EXPECTED_CORRELATED));
             state = other;
         }
