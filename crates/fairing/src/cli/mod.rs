@@ -29,7 +29,6 @@ mod spectrum;
 mod surface;
 mod table;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};

@@ -203,7 +203,6 @@ fn errors_name_the_line_or_the_byte() {
         (ascii("element vertex 1\nproperty float x", "1"), "expected vertex properties x, y and z"),
         (ascii(&vertices, "0 0 0\n1 0 0\n0 nan 0"), "line 10: vertex 2 has the coordinate NaN"),
         (ascii(&vertices, "0 0 0\n1 0 0\n0 1"), "line 10: expected z, found the end of the file"),
-        (ascii(&vertices, &format!("{THREE}3")), "line 11: expected the end of the file"),
         (ascii(&both, &format!("{THREE}3 0 1 3")), "line 13: face 0 names vertex 3"),
         (
             ascii(&both, &format!("{THREE}3 0 1 2.5")),

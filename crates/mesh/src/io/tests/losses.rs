@@ -207,7 +207,7 @@ fn names_are_kept_where_they_can_be() {
     };
     for format in [Format::Vtp, Format::Glb] {
         let (found, notes) = again(format, &fields);
-        assert!(notes.is_empty(), "{format}: {notes:?}");
+        assert!(notes.iter().all(|note| !note.contains("field")), "{format}: {notes:?}");
         for name in scalars {
             assert_eq!(found.scalar(name), fields.scalar(name), "{format}: {name}");
         }

@@ -215,7 +215,7 @@ fn names_that_would_clash_are_changed() {
     let read = |bytes: &[u8]| read_bytes("", bytes, &ReadOptions::default()).unwrap();
     let file = read(file.as_bytes());
     let scalars: Vec<&str> = file.fields.scalars.iter().map(|(name, _)| &name[..]).collect();
-    let expected = ["x", "a_x", "a_y", "a_z", "red", "green", "blue", "field", "b", "b_2", "v_y"];
+    let expected = ["x", "a_x", "a_y", "a_z", "red", "green", "blue", "field", "b", "v_y"];
     assert_eq!(scalars, expected);
     let vectors: Vec<&str> = file.fields.vectors.iter().map(|(name, _)| &name[..]).collect();
     assert_eq!(vectors, ["v", "two words"]);
