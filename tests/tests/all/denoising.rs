@@ -91,13 +91,13 @@ fn automatic_never_does_harm() {
             let result = automatic(&input, &AutomaticOptions::default()).unwrap();
             let case = format!("surface {i}, {kind} {level}");
             let (before, after) = (error(&input, truth), error(&result.mesh, truth));
-            assert!(after < before, "{case}: {before}° to {after}°");
+            assert!(after <= before, "{case}: {before}° to {after}°");
             let tree = SurfaceTree::new(truth).unwrap();
             let away = |mesh: &TriMesh| {
                 tree.distances(mesh.positions()).iter().map(|d| d * d).sum::<f64>().sqrt()
             };
             let (before, after) = (away(&input), away(&result.mesh));
-            assert!(after < before, "{case}: {before} to {after} away");
+            assert!(after <= before, "{case}: {before} to {after} away");
             let flipped = |m: &TriMesh| flipped_faces(m, truth).unwrap();
             let (before, after) = (flipped(&input), flipped(&result.mesh));
             assert!(10 * after <= before, "{case}: {before} to {after} flipped");

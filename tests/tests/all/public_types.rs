@@ -152,6 +152,7 @@ all_shared!(
     fairing::spectral::Compressed,
     fairing::spectral::Filtered,
     fairing::spectral::GeodesicPath,
+    fairing::spectral::Isoline,
     fairing::spectral::HeatDiffusion,
     fairing::spectral::HeatGeodesics,
     fairing::spectral::Poisson<'static>,

@@ -22,7 +22,6 @@ pub mod training;
 mod wide;
 
 use std::borrow::Cow;
-use std::ops;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -34,7 +33,9 @@ use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::filtered_normals;
 use crate::{DenoiseError, Masked, TotalGeneralisedVariationOptions};
-use correlation::{correlation_across_edges, is_open, mean_displacement, variance_of_means};
+use correlation::{
+    correlation_across_edges, is_sheet_of_waves, mean_displacement, variance_of_means,
+};
 use follow::{Follow, relabel};
 use impulses::{Impulses, has_impulses};
 use merge::{Merged, VolumeNoise};
@@ -63,11 +64,6 @@ const WEAK: f64 = 1e-3;
 /// views of the development set it is negative under independent noise of 0.05 edges or more, and
 /// 0.23 or more under correlated noise on 143 of 144.
 const CORRELATED: f64 = 0.15;
-
-/// The correlation of residuals on open surfaces from which they are taken for correlated noise, as
-/// on nine in ten views of models of the development set with such noise and one in fifty with
-/// independent noise; beyond the upper one for the shape of a smooth sheet.
-const RESIDUALS: ops::Range<f64> = 0.05..0.4;
 
 /// The most times that a mesh is denoised again, without its impulses.
 const ROUNDS: usize = 3;
@@ -554,14 +550,19 @@ fn after_stages<'a>(
     Ok(state)
 }
 
-/// Returns `true` for an open surface whose residuals are correlated as by the noise of a scanner.
-fn is_sheet_of_waves(mesh: &TriMesh, level: &NoiseEstimate) -> bool {
-    is_open(mesh) && RESIDUALS.contains(&level.correlation)
+/// The normals, where faces that lie in one plane take that of it, and the distance from planes as
+/// in [`Normals`].
+fn in_planes(state: &State<'_>) -> (Vec<DVec3>, f64) {
+    let mut normals = state.normals.clone();
+    let variance = variance_of_means(state);
+    let evidence = Evidence::new(state.mesh(), &state.hinges, &state.trust, variance);
+    let square = flatten(&evidence, &mut normals);
+    (normals, square.map_or(0.0, |square| square.sqrt() * state.h))
 }
 
 /// The normals by the networks; if their displacements are correlated, by those for correlated
 /// noise, provided that these move the vertices less, as where the first take relief for noise, or
-/// that the surface is a sheet of waves; on surfaces of volumes, if they move them more: filtered
+/// that the surface is a sheet of waves or lies in planes; on surfaces of volumes, if they move them more: filtered
 /// noise that the first take for shape.
 fn regressed(
     input: Masked<'_>,
@@ -577,20 +578,18 @@ fn regressed(
         let moves_less = mean_displacement(&other) < mean_displacement(&state);
         let is_better = match settings.volume_noise {
             Some(_) => !moves_less,
-            None => moves_less || is_sheet_of_waves(mesh, &level),
+            None => {
+                let has_planes = in_planes(&other).1 > 0.0;
+                moves_less || has_planes || is_sheet_of_waves(mesh, &level)
+            }
         };
         if is_better {
             expected_error = expected_error.max(expected(&other, EXPECTED_CORRELATED));
             state = other;
         }
     }
-    // Faces that lie in one plane take its normal.
-    let variance = variance_of_means(&state);
-    let evidence = Evidence::new(mesh, &state.hinges, &state.trust, variance);
-    let planes = flatten(&evidence, &mut state.normals);
-    let planes = planes.map_or(0.0, |square| square.sqrt() * state.h);
+    let (normals, planes) = in_planes(&state);
     let expected_error = Some(expected_error);
     let (sigma, limit) = (state.limit / FAR, state.limit);
-    let (normals, rings) = (state.normals, state.rings);
-    Ok(Normals { normals, rings, sigma, limit, expected_error, planes })
+    Ok(Normals { normals, rings: state.rings, sigma, limit, expected_error, planes })
 }

@@ -196,7 +196,7 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
         row("inconsistent edges", tally(d.inconsistent_edges));
         row("flipped faces", tally(d.turned_faces));
         row("seam vertices", d.seam_vertices.to_string());
-        row("vertices apart by rounding", tally(d.rounded_vertices));
+        row("apart by rounding", tally(d.rounded_vertices));
     }
     if let Some([lo, hi]) = d.bounding_box {
         row("lowest corner", lo.map(number).join(", "));

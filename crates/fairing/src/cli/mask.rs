@@ -19,6 +19,10 @@ pub(crate) struct Mask {
 }
 
 impl Mask {
+    pub(crate) fn is_given(&self) -> bool {
+        self.property.is_some()
+    }
+
     /// True for the vertices of the mesh computed on that may move; `None` if all may. A vertex
     /// that several of the file stand for may move if all of them may.
     pub(crate) fn of(

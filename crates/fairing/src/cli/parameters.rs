@@ -33,6 +33,11 @@ impl<F: Family> Parameters<F> {
     /// The algorithm of that name. Fails for a given parameter that it does not have and for a
     /// missing one that it requires.
     pub(crate) fn check(&self, name: &str) -> Result<Algorithm, Failure> {
+        self.check_but(name, None)
+    }
+
+    /// [`check`](Self::check) where another flag stands for a parameter.
+    pub(crate) fn check_but(&self, name: &str, given: Option<&str>) -> Result<Algorithm, Failure> {
         let what = F::WHAT;
         let mut all = F::algorithms().into_iter();
         let algorithm = all.find(|algorithm| algorithm.name == name);
@@ -43,7 +48,7 @@ impl<F: Family> Parameters<F> {
         }
         let mut needed = algorithm.parameters.iter().filter(|parameter| parameter.required);
         if let Some(Parameter { name: flag, about, .. }) =
-            needed.find(|parameter| self.get(parameter.name).is_none())
+            needed.find(|p| self.get(p.name).is_none() && given != Some(p.name))
         {
             return Err(Failure::usage(format_args!("the {what} {name} needs --{flag}: {about}")));
         }

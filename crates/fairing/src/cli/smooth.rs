@@ -150,7 +150,7 @@ impl Smooth {
     /// are not selected are pinned, if the method has pins, and are outside the region of one that
     /// replaces a region.
     fn method_on(&self, surface: &Surface, selected: Option<&[bool]>) -> Result<Method, Failure> {
-        let algorithm = self.parameters.check(&self.method)?;
+        let algorithm = self.algorithm()?;
         let given = self.parameters.given().iter();
         let mut values: Vec<(&str, parameters::Value)> =
             given.map(|(name, value)| (*name, surface.renumbered(value))).collect();
@@ -198,9 +198,15 @@ impl Smooth {
         }
     }
 
+    /// The method; `--where` may stand for the vertices of a region.
+    fn algorithm(&self) -> Result<Algorithm, Failure> {
+        let region = self.mask.is_given().then_some("vertices");
+        self.parameters.check_but(&self.method, region)
+    }
+
     /// Refuses flags that do not belong to the method.
     fn check(&self) -> Result<(), Failure> {
-        let algorithm = self.parameters.check(&self.method)?;
+        let algorithm = self.algorithm()?;
         let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
         match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(&algorithm)) {
             Some((_, flag)) => Err(foreign::<Method>(&self.method, flag, takes_steps)),
