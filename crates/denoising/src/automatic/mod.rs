@@ -267,10 +267,8 @@ pub fn automatic<'a>(
     options: &AutomaticOptions,
 ) -> Result<Automatic, DenoiseError> {
     options.check()?;
-    let mut noise = None;
-    let mut approach = None;
-    let mut limit = 0.0f64;
-    let mut uneven_vertices = 0;
+    let (mut noise, mut approach) = (None, None);
+    let (mut limit, mut uneven_vertices) = (0.0f64, 0);
     let (mut spikes, mut farthest) = (0, 0.0f64);
     let (mut error, mut faces_denoised, mut flipped_faces) = (0.0, 0, 0);
     let mut undecided = 0.0f64;
