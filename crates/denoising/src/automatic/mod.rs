@@ -204,11 +204,12 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser",
 /// over a connected part, exceeds 1.2 times its level, displacements are shortened. The level is
 /// that of the residuals where those of neighbours are independent. Where they are alike, as on
 /// relief and at creases, it is that of the rest of the mesh; and where they are alike on more than
-/// half of it, relief and correlated noise cannot be told apart, and the level is smaller
-/// in proportion ([`Automatic::undecided`]), by a tenth of an edge at most. Distances from planes count as noise if a quarter of
-/// the surface lies in planes. Three kinds of noise have a level of their own, which bounds the
-/// displacement as a whole: correlated noise that was found ([`NoiseEstimate::wide_sigma`]), that
-/// of open surfaces whose residuals correlate, and that of volumes (measured at four edges).
+/// half of it, relief and correlated noise cannot be told apart, and the level is smaller in
+/// proportion ([`Automatic::undecided`]), by a tenth of an edge at most. Distances from planes
+/// count as noise if a quarter of the surface lies in planes. Three kinds of noise have a level of
+/// their own, which bounds the displacement as a whole: correlated noise that was found
+/// ([`NoiseEstimate::wide_sigma`]), that of open surfaces whose residuals correlate, and that of
+/// volumes (measured at four edges).
 ///
 /// Where the noise is found to be that of a depth camera ([`NoiseEstimate::correlation_length`]),
 /// and the networks expect to leave more than 2°, the normals are those of
@@ -560,8 +561,8 @@ fn in_planes(state: &State<'_>) -> (Vec<DVec3>, f64) {
 
 /// The normals by the networks; if their displacements are correlated, by those for correlated
 /// noise, provided that these move the vertices less, as where the first take relief for noise, or
-/// that the surface is a sheet of waves or lies in planes; on surfaces of volumes, if they move them more: filtered
-/// noise that the first take for shape.
+/// that the surface is a sheet of waves or lies in planes; on surfaces of volumes, if they move
+/// them more: filtered noise that the first take for shape.
 fn regressed(
     input: Masked<'_>,
     level: NoiseEstimate,

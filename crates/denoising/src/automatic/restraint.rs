@@ -202,8 +202,8 @@ mod tests {
         (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
     }
 
-    /// A sphere of 2562 vertices with plane waves of four edges, together 0.12 edges high (root mean
-    /// square), on the side where `z` exceeds `from`.
+    /// A sphere of 2562 vertices with plane waves of four edges, together 0.12 edges high (root
+    /// mean square), on the side where `z` exceeds `from`.
     fn relief(from: f64) -> TriMesh {
         let sphere = shapes::icosphere(4);
         let h = sphere.mean_edge_length();
