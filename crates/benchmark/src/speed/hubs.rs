@@ -53,8 +53,11 @@ fn program() -> Result<PathBuf> {
     Ok(folder.join("fairing"))
 }
 
+/// A shape of about that many faces.
+type Shape = fn(u32) -> Result<TriMesh>;
+
 fn measured(program: &Path, folder: &Path) -> Result<Vec<String>> {
-    let shapes: [(&str, fn(u32) -> Result<TriMesh>); 5] =
+    let shapes: [(&str, Shape); 5] =
         [("fan", fan), ("star", star), ("cone", cone), ("two hubs", two_hubs), ("comb", comb)];
     let cases = cases(program)?;
     let mut too_fast = vec![];
@@ -161,7 +164,7 @@ fn fan(count: u32) -> Result<TriMesh> {
 
 /// A disc with long spikes.
 fn star(count: u32) -> Result<TriMesh> {
-    let spike = |i: u32| [if i % 2 == 0 { 1.0 } else { 10.0 }, 0.0];
+    let spike = |i: u32| [if i.is_multiple_of(2) { 1.0 } else { 10.0 }, 0.0];
     let positions = std::iter::once([0.0, 0.0, 0.3]).chain(circle(count, spike)).collect();
     Ok(TriMesh::new(positions, around(0, 1, count).collect())?)
 }
