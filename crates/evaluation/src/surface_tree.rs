@@ -159,7 +159,7 @@ type Pending = (f32, u32, u32);
 
 impl SurfaceTree {
     /// Builds the tree; F log F for F faces. The boxes of long faces around one vertex overlap
-    /// there: those of up to [`MAX_FANS`] vertices are found by direction.
+    /// there: those of up to `MAX_FANS` vertices are found by direction.
     ///
     /// # Errors
     ///
