@@ -7,7 +7,7 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::faces::Marks;
+use super::faces::{HUB, Marks, search};
 use super::{DenoiseError, Masked};
 use crate::masked::on_oriented;
 
@@ -30,8 +30,8 @@ fairing_parameters::options! {
 /// Denoises by moving each vertex along its normal by a bilateral average.
 ///
 /// With the unit normal n at vertex x (faces weighted by area), and heights
-/// h = n·(q − x) of the vertices q within 2 σ_c that are reached along edges
-/// within that distance,
+/// h = n·(q − x) of the vertices q within 2 σ_c that are reached along at most 15 edges
+/// within that distance (not through a vertex of more than 64 edges),
 ///
 /// ```text
 /// x ← x + n Σ w h / Σ w,    w = exp(−‖q − x‖²/2σ_c²) exp(−h²/2σ_s²)
@@ -95,15 +95,12 @@ fn move_vertex(
     seen.clear();
     near.push(v);
     seen.insert(v);
-    let mut next = 0;
-    while next < near.len() {
-        for &w in topology.neighbors(near[next]) {
-            if at(w).distance(x) < 2.0 * spatial && seen.insert(w) {
-                near.push(w);
-            }
-        }
-        next += 1;
-    }
+    // Nothing is looked past a hub.
+    let ring = |w: u32| match topology.neighbors(w) {
+        ring if w != v && ring.len() > HUB => &[],
+        ring => ring,
+    };
+    search(near, ring, |w| at(w).distance(x) < 2.0 * spatial && seen.insert(w));
     // A vertex alone within the radius still sees its one-ring.
     if near.len() == 1 {
         near.extend_from_slice(topology.neighbors(v));

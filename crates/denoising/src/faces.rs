@@ -98,6 +98,49 @@ impl Marks {
     }
 }
 
+/// The most faces of a vertex that are all neighbours of each other.
+pub(crate) const HUB: usize = 64;
+
+/// The most steps of a search from one face or vertex to the next. Neighbourhoods of methods are a
+/// few steps wide; without this bound those in a fine part of a coarse mesh would hold all of it.
+const DEPTH: usize = 15;
+
+/// Appends to `found` what `accept` takes of the neighbours of its items, of theirs and so on, up
+/// to [`DEPTH`] steps away. `accept` takes each once.
+pub(crate) fn search<'a>(
+    found: &mut Vec<u32>,
+    neighbors: impl Fn(u32) -> &'a [u32],
+    mut accept: impl FnMut(u32) -> bool,
+) {
+    let mut begin = 0;
+    for _ in 0..DEPTH {
+        let end = found.len();
+        for next in begin..end {
+            found.extend(neighbors(found[next]).iter().filter(|&&k| accept(k)));
+        }
+        begin = end;
+    }
+}
+
+/// Appends the faces around `v` that half of [`HUB`] hinges or fewer connect to face `f`.
+fn nearest_around(v: u32, f: usize, faces: &[[u32; 3]], hinges: &Hinges, list: &mut Vec<u32>) {
+    for start in (0..3).filter(|&k| faces[f][k] != v) {
+        // The side of face g opposite its corner k is crossed.
+        let (mut g, mut k) = (f, start);
+        for _ in 0..HUB / 2 {
+            let next = hinges.beside[g][k];
+            if next == NO_HINGE || next as usize == f {
+                break;
+            }
+            list.push(next);
+            let shared = (0..3).find(|&j| j != k && faces[g][j] != v).map(|j| faces[g][j]);
+            g = next as usize;
+            let Some(opposite) = (0..3).find(|&j| Some(faces[g][j]) == shared) else { break };
+            k = opposite;
+        }
+    }
+}
+
 /// Faces whose lists a thread gathers or fills at a time.
 const BLOCK: usize = 4096;
 
@@ -140,13 +183,19 @@ impl FaceLists {
         Self { offsets, items: blocks.into_iter().flat_map(|(_, items)| items).collect() }
     }
 
-    /// The faces that share a vertex with each face, itself left out,
-    /// ascending.
+    /// The faces that share a vertex with each face, itself left out, ascending. At a vertex of more
+    /// than [`HUB`] faces only the nearest ones around it, half of that number to either side: all
+    /// of them would be neighbours of each other. Sharing stays mutual.
     pub(crate) fn rings(mesh: &TriMesh) -> Self {
         let (incidence, faces) = (mesh.incidence(), mesh.faces());
+        let is_hub = |v: u32| incidence.corners(v).len() > HUB;
+        let hinges = (0..mesh.vertex_count() as u32).any(is_hub).then(|| Hinges::new(mesh));
         Self::gather(faces.len(), |f, list, _| {
             for &v in &faces[f] {
-                list.extend(incidence.corners(v).iter().map(|c| c / 3));
+                match &hinges {
+                    Some(hinges) if is_hub(v) => nearest_around(v, f, faces, hinges, list),
+                    _ => list.extend(incidence.corners(v).iter().map(|c| c / 3)),
+                }
             }
             list.sort_unstable();
             list.dedup();
@@ -155,23 +204,15 @@ impl FaceLists {
     }
 
     /// For each face the others whose centroids lie within `radius` of its own
-    /// and that such faces connect to it through shared vertices, in the order
+    /// and that at most [`DEPTH`] such faces connect to it through shared vertices, in the order
     /// in which a search reaches them.
     pub(crate) fn within(rings: &Self, centroids: &[DVec3], radius: f64) -> Self {
         Self::gather(centroids.len(), |f, list, marks| {
             marks.clear();
             marks.insert(f as u32);
             list.push(f as u32);
-            let mut next = 0;
-            while next < list.len() {
-                let g = list[next] as usize;
-                next += 1;
-                for &k in rings.row(g) {
-                    if centroids[f].distance(centroids[k as usize]) < radius && marks.insert(k) {
-                        list.push(k);
-                    }
-                }
-            }
+            let inside = |k: u32| centroids[f].distance(centroids[k as usize]) < radius;
+            search(list, |g| rings.row(g as usize), |k| inside(k) && marks.insert(k));
             list.remove(0);
         })
     }

@@ -7,7 +7,7 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::faces::{FaceLists, FaceShapes, Marks};
+use super::faces::{FaceLists, FaceShapes, Marks, search};
 use super::{DenoiseError, Masked};
 use crate::masked::on_oriented;
 
@@ -98,17 +98,8 @@ fn average(
                 near.iter().for_each(|&f| {
                     marks.insert(f);
                 });
-                let mut next = 0;
-                while next < near.len() {
-                    for &g in rings.row(near[next] as usize) {
-                        if p.distance(shapes.centroids[g as usize]) < 2.0 * spatial
-                            && marks.insert(g)
-                        {
-                            near.push(g);
-                        }
-                    }
-                    next += 1;
-                }
+                let near_enough = |g: u32| p.distance(shapes.centroids[g as usize]) < 2.0 * spatial;
+                search(near, |f| rings.row(f as usize), |g| near_enough(g) && marks.insert(g));
                 let (mut sum, mut total) = (DVec3::ZERO, 0.0);
                 for &f in near.iter() {
                     let f = f as usize;

@@ -43,7 +43,9 @@ const RAY_BUDGET: usize = 3_000_000;
 
 impl Occlusion {
     /// Casts the rays: about a second for 50 thousand vertices on two cores,
-    /// four for 350 thousand. Meshes without extent see the sky everywhere.
+    /// four for 350 thousand. Meshes without extent see the sky everywhere, and so do those in
+    /// which thousands of long faces lie side by side, where each ray would have to pass most of
+    /// them: the sum of the areas of their boxes is more than 64 times that of the mesh.
     /// Faces count as [oriented](TriMesh::oriented).
     pub fn bake(mesh: &TriMesh) -> Self {
         let mesh = &*mesh.oriented();
@@ -63,7 +65,7 @@ impl Occlusion {
             .into_iter()
             .map(|n| n.as_vec3a())
             .collect();
-        let tree = Tree::new(mesh, &points);
+        let Some(tree) = Tree::new(mesh, &points) else { return open() };
         let rays = (RAY_BUDGET / points.len()).clamp(16, 64);
         let directions = hemisphere(rays);
         let closed = is_closed(mesh);
@@ -110,49 +112,16 @@ fn plastic(i: usize) -> [f64; 2] {
     STEPS.map(|step| (0.5 + step * i as f64).fract())
 }
 
-/// The sum of the areas of the boxes of triangles over that of their common box above which long
-/// ones are cut: one or two for even meshes, a quarter of the faces for a fan.
+/// The sum of the areas of the boxes of triangles over that of their common box above which no rays
+/// are cast: one or two for even meshes, a quarter of the faces for a fan.
 const CROWDED: f32 = 64.0;
 
-/// The most pieces of all triangles.
-const MAX_PIECES: f32 = 2e6;
-
-/// Cuts long triangles where they lie so close that a ray would meet the boxes of most of them: n
-/// triangles into some √n/8 pieces each, so that n rays take n^1.5.
-fn apart(triangles: Vec<Triangle>) -> Vec<Triangle> {
+/// Whether long triangles lie so close that a ray would meet the boxes of most of them, as in a
+/// disc of thousands of faces around its centre.
+fn is_crowded(triangles: &[Triangle]) -> bool {
     let crowd: f32 = triangles.iter().map(|t| t.aabb().half_area()).sum();
     let common = triangles.iter().fold(Aabb::empty(), |all, t| all.union(&t.aabb()));
-    if crowd <= CROWDED * common.half_area() {
-        return triangles;
-    }
-    let count = triangles.len() as f32;
-    let pieces = (count.sqrt() / 8.0).min(MAX_PIECES / count);
-    let mut cut = vec![];
-    for triangle in triangles {
-        let sides = |t: &Triangle| [t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2].map(|s| s.length());
-        let [a, b, c] = sides(&triangle);
-        let (longest, shortest) = (a.max(b).max(c), a.min(b).min(c));
-        // A needle of k such lengths is cut into 2k pieces.
-        let limit = (2.0 * longest / pieces).max(2.0 * shortest);
-        let mut rest = vec![triangle];
-        while let Some(t) = rest.pop() {
-            let [a, b, c] = sides(&t);
-            // Turned so that the longest side runs from the first corner to the second.
-            let [p, q, r] = match a.max(b).max(c) {
-                longest if longest <= limit => {
-                    cut.push(t);
-                    continue;
-                }
-                longest if longest == a => [t.v0, t.v1, t.v2],
-                longest if longest == b => [t.v1, t.v2, t.v0],
-                _ => [t.v2, t.v0, t.v1],
-            };
-            let middle = 0.5 * (p + q);
-            rest.push(Triangle { v0: p, v1: middle, v2: r });
-            rest.push(Triangle { v0: middle, v1: q, v2: r });
-        }
-    }
-    cut
+    crowd > CROWDED * common.half_area()
 }
 
 struct Tree {
@@ -162,7 +131,8 @@ struct Tree {
 }
 
 impl Tree {
-    fn new(mesh: &TriMesh, points: &[Vec3A]) -> Self {
+    /// `None` if rays would take too long.
+    fn new(mesh: &TriMesh, points: &[Vec3A]) -> Option<Self> {
         let triangles: Vec<Triangle> = mesh
             .faces()
             .iter()
@@ -171,11 +141,13 @@ impl Tree {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let triangles = apart(triangles);
+        if is_crowded(&triangles) {
+            return None;
+        }
         let mut spent = std::time::Duration::ZERO;
         let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::fast_build(), &mut spent);
         let triangles = bvh.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
-        Self { bvh, triangles }
+        Some(Self { bvh, triangles })
     }
 
     fn visibility(&self, point: Vec3A, normal: Vec3A, v: usize, directions: &[[f32; 2]]) -> f32 {

@@ -218,6 +218,18 @@ pub enum SparseError {
         /// Blocks spent.
         blocks: usize,
     },
+    /// No gap follows the wanted eigenvalues that could be counted to, so that none can be said to
+    /// be missing: as on a mesh of thousands of equal spikes.
+    #[error(
+        "eigenvalue {wanted}, {value:e}, and those that follow differ by less than 0.011 %: they \
+         cannot be told apart"
+    )]
+    Crowded {
+        /// Pairs wanted.
+        wanted: usize,
+        /// The last of them.
+        value: f64,
+    },
     /// The inertia count differs from the number of eigenvalues found, even after new starting
     /// vectors.
     #[error("{found} eigenvalues found below {shift:e}, inertia counts {counted}")]

@@ -199,6 +199,8 @@ const ZERO_FRACTION: f64 = 1e-6;
 /// multiplicity of an eigenvalue may be as large as the problem, and a block of new vectors finds
 /// eight more copies.
 pub(super) const RANDOM_RESTARTS: usize = 3;
+/// Blocks in which a gap above the converged pairs is looked for.
+const GAP_BLOCKS: usize = 250;
 /// Maximum size of a basis in numbers (2.4 GB), unless the pairs themselves need more.
 const MAX_BASIS_NUMBERS: usize = 300_000_000;
 
@@ -307,7 +309,7 @@ impl<'a> Run<'a> {
 
     /// The wanted pairs from below, completed to the next gap and verified by an inertia count.
     pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, SparseError> {
-        let (mut random_restarts, mut most) = (0, 0);
+        let (mut random_restarts, mut most, mut without_gap) = (0, 0, None);
         let operator = self.lanczos.operator;
         // Zeros may be slightly negative after rounding; unconverged values may be anywhere.
         let least = -ZERO_FRACTION * operator.sigma.abs();
@@ -330,6 +332,12 @@ impl<'a> Run<'a> {
                     .is_none_or(|next| next.lambda - candidates[g - 1].lambda > GAP * next.lambda)
             });
             let Some(g) = gap else {
+                if converged >= self.wanted
+                    && self.blocks > *without_gap.get_or_insert(self.blocks) + GAP_BLOCKS
+                {
+                    let value = candidates[self.wanted - 1].lambda * self.problem.unit;
+                    return Err(SparseError::Crowded { wanted: constants + self.wanted, value });
+                }
                 self.restart_if_full(&ritz, &candidates);
                 continue;
             };
