@@ -337,13 +337,12 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Parameters
         ----------
         path : str or path
-            Ends in .obj, .ply, .off, .stl, .vtp, .glb, .pcd or .xyz, optionally followed by .gz. PLY
-            holds all fields; what a format cannot hold is left out, with a warning: PCD and XYZ hold
-            points without faces.
+            Ends in .obj, .ply, .off, .stl, .vtp or .glb, optionally followed by .gz. PLY
+            holds all fields; what a format cannot hold is left out, with a warning.
         ascii : bool
             Text instead of binary, for formats that have both.
         width : {'lossless', 'double', 'single'}
-            Width of numbers in PLY, VTP and PCD files: 32 bits if nothing is lost, 64, or 32.
+            Width of numbers in PLY and VTP files: 32 bits if nothing is lost, 64, or 32.
         {run}
 
         Raises
@@ -365,12 +364,12 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
 
         Parameters
         ----------
-        format : {'ply', 'obj', 'off', 'stl', 'vtp', 'glb', 'pcd', 'xyz'}
+        format : {'ply', 'obj', 'off', 'stl', 'vtp', 'glb'}
             The format, not compressed. Fields that it cannot hold are left out.
         ascii : bool
             Text instead of binary, for formats that have both.
         width : {'lossless', 'double', 'single'}
-            Width of numbers in PLY, VTP and PCD files.
+            Width of numbers in PLY and VTP files.
 
         Returns
         -------
@@ -470,8 +469,8 @@ def read(
     Parameters
     ----------
     path : str or path
-        An OBJ, PLY, OFF, STL, VTP, GLB (or glTF), PCD or XYZ file, plain or compressed with gzip; content and file
-        extension decide. PCD and XYZ files have no faces.
+        An OBJ, PLY, OFF, STL, VTP or GLB (or glTF) file, plain or compressed with gzip; content and file
+        extension decide.
     strict : bool
         Raise an error instead of leaving out content with a warning, such as faces that repeat a
         corner.

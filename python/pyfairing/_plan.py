@@ -107,7 +107,7 @@ def estimate(name: str, size: int, head: bytes) -> int:
             return min(int(found[1]), size // 6 + 1)
     if lower.endswith(".stl") and not head[:5] == b"solid":
         return size // 50 // 2 + 1
-    return size // (_TEXT if lower.endswith((".obj", ".off", ".stl", ".xyz")) else _BINARY) + 1
+    return size // (_TEXT if lower.endswith((".obj", ".off", ".stl")) else _BINARY) + 1
 
 
 def describe(addresses: Sequence[str]) -> list[Source]:

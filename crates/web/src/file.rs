@@ -46,7 +46,7 @@ pub(crate) fn write(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
 pub(crate) fn losses(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let held = meshes.held(request, "mesh")?;
     let losses = Format::ALL.map(|format| {
-        let lost = io::unsupported(format, &held.mesh, &held.fields);
+        let lost = io::unsupported(format, &held.fields);
         (format.extensions()[0].to_owned(), json!(lost))
     });
     Ok(Value::Object(Map::from_iter(losses)).into())

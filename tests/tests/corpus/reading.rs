@@ -203,8 +203,7 @@ fn formats(folder: &Path) -> Result<(), Failed> {
             if !positions.eq(again.mesh.positions().iter().copied()) {
                 return Err(failed(file, format!("other positions in {format}")));
             }
-            let faces = if holds.faces { read.mesh.faces() } else { &[] };
-            if again.mesh.faces() != faces {
+            if again.mesh.faces() != read.mesh.faces() {
                 return Err(failed(file, format!("other faces in {format}")));
             }
             let held = |(name, values): &(String, Vec<f64>)| {

@@ -18,7 +18,7 @@ use super::inputs::{self, Jobs, Summary, check_distinct, output_for};
 /// The file extensions decide the formats (`fairing help` lists them); add .gz to
 /// compress. Vertices keep their order, isolated ones included, except in STL, which
 /// stores corners instead of vertices. Polygons stay polygons if the format holds
-/// them. PCD and XYZ hold points without faces. GLB and binary STL round numbers to 32 bits.
+/// them. GLB and binary STL round numbers to 32 bits.
 /// Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {

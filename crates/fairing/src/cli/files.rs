@@ -80,7 +80,7 @@ impl Content {
             (Self::Npz, _) => is("npz"),
             (_, None) => Err(WriteProblem::unknown_extension().to_string()),
             (Self::Fields, Some(format)) if !format.holds().fields => {
-                let holds = |format: &Format| format.holds().fields && format.holds().faces;
+                let holds = |format: &Format| format.holds().fields;
                 let others = Format::ALL.into_iter().filter(holds);
                 let others: Vec<String> = others
                     .map(|format| format!("{format} (.{0} or .{0}.gz)", format.extensions()[0]))

@@ -10,7 +10,7 @@ use crate::io::{NumberType, VertexFields};
 pub(crate) const MAX_COMPONENTS: usize = 16;
 
 /// Some numbers per vertex or face, under a name.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct NamedArray {
     pub(crate) name: String,
     pub(crate) kind: Option<NumberType>,
@@ -50,7 +50,7 @@ pub(crate) fn columns(
     Columns { scalars, vectors, colors, types }
 }
 
-/// The fields under names that PLY, PCD and XYZ read back as they were written, with a note for
+/// The fields under names that PLY reads back as they were written, with a note for
 /// each changed name; `None` if all names are so.
 pub(crate) fn as_properties(fields: &VertexFields) -> Option<(VertexFields, Vec<String>)> {
     let mut notes = vec![];

@@ -13,19 +13,16 @@ pub(crate) enum Column<'a> {
     Scalar(&'a [f64], NumberType),
     Vector(&'a [[f64; 3]], NumberType),
     Color(&'a [[u8; 3]]),
-    /// Colours, each in one word.
-    Packed(&'a [[u8; 3]]),
 }
 
 impl Column<'_> {
     pub(crate) fn components(self) -> usize {
-        if matches!(self, Self::Scalar(..) | Self::Packed(_)) { 1 } else { 3 }
+        if matches!(self, Self::Scalar(..)) { 1 } else { 3 }
     }
 
     pub(crate) fn number_type(self) -> NumberType {
         match self {
             Self::Color(_) => NumberType::U8,
-            Self::Packed(_) => NumberType::U32,
             Self::Scalar(_, number) | Self::Vector(_, number) => number,
         }
     }
@@ -40,7 +37,6 @@ impl Column<'_> {
             Self::Scalar(values, number) => number.put(&[values[element]], bytes),
             Self::Vector(values, number) => number.put(&values[element], bytes),
             Self::Color(values) => bytes.copy_from_slice(&values[element]),
-            Self::Packed(values) => bytes.copy_from_slice(&packed(values[element]).to_le_bytes()),
         }
     }
 
@@ -49,10 +45,6 @@ impl Column<'_> {
         match self {
             Self::Scalar(values, number) => put_text(&[values[element]], number, text),
             Self::Vector(values, number) => put_text(&values[element], number, text),
-            Self::Packed(values) => {
-                text.push(b' ');
-                put_integer(text, u64::from(packed(values[element])));
-            }
             Self::Color(values) => {
                 for c in values[element] {
                     text.push(b' ');
@@ -70,11 +62,6 @@ pub(crate) fn put_text(values: &[f64], number: NumberType, text: &mut Vec<u8>) {
         text.push(b' ');
         put_float(text, if number == NumberType::F32 { f64::from(x as f32) } else { x });
     }
-}
-
-/// A colour in one word, blue in the lowest byte.
-fn packed([r, g, b]: [u8; 3]) -> u32 {
-    u32::from_be_bytes([0, r, g, b])
 }
 
 /// The columns of fields: scalars, vectors, colours.

@@ -1,6 +1,5 @@
 //! Checks of fields before they are written.
 
-use crate::TriMesh;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::{FaceFields, Format, VertexFields};
@@ -95,14 +94,10 @@ fn check_names(fields: Attributes<'_>) -> Result<(), WriteProblem> {
     Ok(())
 }
 
-/// The names of what a file of a format cannot hold of a mesh: fields, colours, and faces where it
-/// holds points only.
-pub fn unsupported(format: Format, mesh: &TriMesh, fields: &VertexFields) -> Vec<String> {
+/// The names of what a file of a format cannot hold of a mesh: fields and colours.
+pub fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
     let holds = format.holds();
     let mut unsupported = Vec::new();
-    if !holds.faces && mesh.face_count() > 0 {
-        unsupported.push("faces".to_owned());
-    }
     if !holds.fields {
         let scalars = fields.scalars.iter().map(|(name, _)| name.clone());
         let vectors = fields.vectors.iter().map(|(name, _)| name.clone());

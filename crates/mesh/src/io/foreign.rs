@@ -8,7 +8,7 @@ const BLENDER: &str = "Blender";
 const CAD: &str = "FreeCAD or Gmsh";
 
 /// Kinds by their first bytes, with a program that turns a mesh into a format that is read.
-const MAGIC: [(&[u8], &str, &str); 30] = [
+const MAGIC: [(&[u8], &str, &str); 31] = [
     (b"# vtk DataFile", "a VTK legacy file", VTK),
     (b"Kaydara FBX Binary", "a binary FBX file", BLENDER),
     (b"; FBX", "an FBX file in text", BLENDER),
@@ -18,6 +18,7 @@ const MAGIC: [(&[u8], &str, &str); 30] = [
     (b"#VRML", "a VRML file", "MeshLab"),
     (b"#X3D", "an X3D file", "MeshLab"),
     (b"ISO-10303-21", "a STEP file of CAD surfaces", CAD),
+    (b"# .PCD", "points without faces of the Point Cloud Library (PCD)", "CloudCompare"),
     (b"DRACO", "a mesh compressed by Draco", "`draco_decoder`"),
     (b"$MeshFormat", "a Gmsh file", MESHIO),
     (b"MeshVersionFormatted", "a Medit file", MESHIO),

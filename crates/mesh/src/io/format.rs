@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
 use crate::io::row::{Holds, Row};
-use crate::io::{foreign, glb, obj, off, pcd, ply, stl, vtp, xyz};
+use crate::io::{foreign, glb, obj, off, ply, stl, vtp};
 
 /// Makes the enum of formats from the table.
 macro_rules! formats {
@@ -44,10 +44,6 @@ formats! {
     Vtp = vtp::FORMAT,
     /// GLB, the binary form of glTF 2.0 of viewers and browsers.
     Glb = glb::FORMAT,
-    /// PCD, points of the Point Cloud Library, binary or text.
-    Pcd = pcd::FORMAT,
-    /// XYZ, points in lines of text.
-    Xyz = xyz::FORMAT,
 }
 
 /// The format of a file by its name.
@@ -167,6 +163,6 @@ mod tests {
             }
         }
         let error = "fbx".parse::<Format>().unwrap_err().to_string();
-        assert!(error.contains("OBJ, PLY, OFF, STL, VTP, GLB, PCD, XYZ"), "{error}");
+        assert!(error.contains("OBJ, PLY, OFF, STL, VTP, GLB"), "{error}");
     }
 }

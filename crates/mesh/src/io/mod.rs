@@ -1,5 +1,4 @@
-//! Reading and writing OBJ, PLY, OFF, STL, VTP and GLB, and points in PCD and XYZ, plain or
-//! gzip-compressed.
+//! Reading and writing OBJ, PLY, OFF, STL, VTP and GLB, plain or gzip-compressed.
 //!
 //! The order of vertices is kept exactly, isolated ones included; coordinates
 //! go from text to `f64` with correct rounding. Content and file extension decide the
@@ -18,14 +17,14 @@
 //!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
-//! - Vertex and face properties of PLY, VTP, GLB, PCD and XYZ, colours and normals of vertices and
+//! - Vertex and face properties of PLY, VTP and GLB, colours and normals of vertices and
 //!   texture coordinates of corners of OBJ, and colours and normals of OFF become [`VertexFields`];
 //!   objects, groups and materials of OBJ become [`Statements`]. All other content (materials of
 //!   GLB, cameras, …) is ignored and named in the report.
-//! - Names of properties have a meaning in PLY, PCD and XYZ (`x`, `red`, `normal_x`, …), so a field
+//! - Names of properties have a meaning in PLY (`x`, `red`, `normal_x`, …), so a field
 //!   of such a name is written under another one, which the report names.
 //! - GLB is one mesh: the meshes of its scene, transformed by their nodes. glTF in JSON is read
-//!   too, with its buffers in it or beside it. PCD and XYZ have no faces.
+//!   too, with its buffers in it or beside it.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
 //! and [`ReadOptions`] bounds the size of decompressed files.
@@ -68,9 +67,7 @@ mod obj;
 mod off;
 mod options;
 mod parsed;
-mod pcd;
 mod ply;
-mod points;
 mod read;
 mod report;
 mod row;
@@ -82,7 +79,6 @@ mod vtp;
 #[cfg(feature = "files")]
 mod whole;
 mod write;
-mod xyz;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
 pub use field_check::unsupported;

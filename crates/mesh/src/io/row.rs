@@ -14,7 +14,7 @@ pub(crate) struct Row {
     /// Tells whether a file begins like one of this format.
     pub(crate) looks_like: fn(&[u8]) -> bool,
     pub(crate) parse: fn(&[u8], Broken) -> Result<Parsed, Fault>,
-    /// Encodes a surface of which the format holds faces and fields.
+    /// Encodes a surface of which the format holds the fields.
     pub(crate) encode: fn(Surface<'_>, &WriteOptions) -> Result<Encoded, WriteProblem>,
     pub(crate) holds: Holds,
 }
@@ -23,8 +23,6 @@ pub(crate) struct Row {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Holds {
-    /// Faces; without them the positions are points.
-    pub faces: bool,
     /// Numbers of 64 bits, as they are; without them binary files round to 32 bits.
     pub exact: bool,
     /// Faces of more than three corners.
@@ -49,7 +47,6 @@ pub struct Holds {
 
 impl Holds {
     pub(super) const NOTHING: Self = Self {
-        faces: false,
         exact: false,
         polygons: false,
         colors: false,
@@ -63,16 +60,6 @@ impl Holds {
     };
 
     /// Text with faces of any number of corners, and colours and normals of vertices.
-    pub(super) const TEXT: Self = Self {
-        faces: true,
-        exact: true,
-        polygons: true,
-        colors: true,
-        normals: true,
-        ..Self::NOTHING
-    };
-
-    /// Points with colours and fields.
-    pub(super) const POINTS: Self =
-        Self { exact: true, colors: true, normals: true, fields: true, ..Self::NOTHING };
+    pub(super) const TEXT: Self =
+        Self { exact: true, polygons: true, colors: true, normals: true, ..Self::NOTHING };
 }

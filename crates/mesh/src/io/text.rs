@@ -90,13 +90,6 @@ impl<'a> Cursor<'a> {
         self.at += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
     }
 
-    /// The rest of the line at the cursor, which does not move.
-    pub(crate) fn rest_of_line(&self) -> &'a [u8] {
-        let mut end = self.clone();
-        end.skip_line();
-        &self.text[self.at..end.at]
-    }
-
     /// The token at the cursor, which does not move.
     pub(crate) fn peek(&self) -> &'a [u8] {
         &self.text[self.at..number::token_end(self.text, self.at)]

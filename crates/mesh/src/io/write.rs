@@ -24,8 +24,7 @@ use crate::io::{Format, UnsupportedFields, VertexFields, WriteOptions, WriteRepo
 ///
 /// Coordinates are lossless: the shortest text that reads back as the same `f64`, or
 /// [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless) in PLY. Only STL and GLB round,
-/// to 32 bits, and STL loses the numbering of vertices; the report mentions both. PCD and XYZ hold
-/// no faces, which is an error unless the options drop them.
+/// to 32 bits, and STL loses the numbering of vertices; the report mentions both.
 ///
 /// # Errors
 ///
@@ -38,7 +37,7 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 /// [`write()`] with fields and options.
 ///
 /// PLY holds all fields, those of faces and texture coordinates included; VTP all but texture
-/// coordinates; GLB, PCD and XYZ those of vertices; OBJ colours (after the coordinates, from 0 to
+/// coordinates; GLB those of vertices; OBJ colours (after the coordinates, from 0 to
 /// 1), the vector field `normal` and texture coordinates; OFF colours and `normal`; STL none. A
 /// field that the format cannot hold is an error unless the options drop it.
 ///
@@ -155,7 +154,7 @@ fn encode(
     options: &WriteOptions,
 ) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
     field_check::check(fields, mesh.vertex_count(), mesh.face_count())?;
-    let unsupported = field_check::unsupported(format, mesh, fields);
+    let unsupported = field_check::unsupported(format, fields);
     if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
         let (format, fields) = (format.name(), unsupported);
         return Err(WriteProblem::UnsupportedFields { format, fields });
@@ -163,7 +162,7 @@ fn encode(
     let holds = format.holds();
     let (mut faces, mut of_faces) = (Faces::Triangles(mesh.faces()), Cow::Borrowed(fields));
     let (mut split_polygons, mut split) = (0, vec![]);
-    if let Some(polygons) = mesh.polygons().filter(|_| holds.faces) {
+    if let Some(polygons) = mesh.polygons() {
         let why = match of_polygons(polygons, mesh.faces(), &fields.faces) {
             _ if !holds.polygons => Some(format!("{} holds triangles only", format.name())),
             Err(f) => Some(format!("the triangles of polygon {f} have different values")),
@@ -180,10 +179,7 @@ fn encode(
             split.push(format!("{split_polygons} polygons are split into triangles: {why}"));
         }
     }
-    let renamed = match format {
-        Format::Ply | Format::Pcd | Format::Xyz => as_properties(&of_faces),
-        _ => None,
-    };
+    let renamed = (format == Format::Ply).then(|| as_properties(&of_faces)).flatten();
     let fields_written = renamed.as_ref().map_or(&*of_faces, |(fields, _)| fields);
     let surface = Surface { positions: mesh.positions(), faces, fields: fields_written };
     let Encoded { pieces, mut notes } = (format.row().encode)(surface, options)?;

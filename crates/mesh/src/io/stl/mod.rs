@@ -18,7 +18,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like,
     parse,
     encode,
-    holds: Holds { faces: true, binary: true, ..Holds::NOTHING },
+    holds: Holds { binary: true, ..Holds::NOTHING },
 };
 
 /// Returns true for binary STL, known by its size, and for text that begins with

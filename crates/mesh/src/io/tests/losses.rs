@@ -143,8 +143,6 @@ fn fields_are_never_lost_in_silence() {
         ("a.obj", vec!["mean"]),
         ("a.off", vec!["mean"]),
         ("a.glb", vec![]),
-        ("a.pcd", vec!["faces"]),
-        ("a.xyz", vec!["faces"]),
         ("a.stl", vec!["mean", "normal", "colours"]),
         ("a.ply.gz", vec![]),
     ] {
@@ -188,7 +186,7 @@ fn unsound_fields_are_refused_by_name() {
     assert!(problem(twice).contains("two fields of this name"));
 }
 
-/// Names that are free in VTP and GLB have other meanings in PLY, PCD and XYZ.
+/// Names that are free in VTP and GLB have other meanings in PLY.
 #[test]
 fn names_are_kept_where_they_can_be() {
     let zeros = || vec![0.0; 4];
@@ -214,7 +212,7 @@ fn names_are_kept_where_they_can_be() {
         assert_eq!(found.vectors, fields.vectors, "{format}");
     }
     let changed = ["x_2", "z_2", "a_b", "a_x", "a_y", "a_z_2", "v_y", "vertex_index"];
-    for format in [Format::Ply, Format::Pcd, Format::Xyz] {
+    for format in [Format::Ply] {
         let (found, notes) = again(format, &fields);
         let names: Vec<&str> = found.scalars.iter().map(|(name, _)| &name[..]).collect();
         assert_eq!(names, changed, "{format}");
