@@ -14,7 +14,7 @@ pub(super) const FORMAT: Row = Row {
     looks_like: |bytes| bytes.starts_with(b"dummy"),
     parse,
     encode,
-    holds: Holds { faces: true, exact: true, ..Holds::NOTHING },
+    holds: Holds { exact: true, ..Holds::NOTHING },
 };
 
 const _: () = assert!(matches!(Format::ALL, [.., Format::Dummy]));
