@@ -2,6 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
+use super::adaptive::{AdaptiveOptions, adaptive_curvature};
 use super::corrected::{CorrectedOptions, corrected_curvature};
 use super::cotangent::{CotangentOptions, cotangent_curvature};
 use super::face_tensor::{FaceTensorOptions, face_tensor_curvature};
@@ -29,6 +30,8 @@ fairing_parameters::algorithms! {
     #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
     #[non_exhaustive]
     pub enum Estimator("estimator") {
+        /// [`adaptive_curvature`]
+        Adaptive(AdaptiveOptions) => |mesh, &options| adaptive_curvature(mesh, options),
         /// [`cotangent_curvature`]
         Cotangent(CotangentOptions) => |mesh, &options| cotangent_curvature(mesh, options),
         /// [`steiner_curvature`]
