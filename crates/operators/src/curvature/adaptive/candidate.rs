@@ -106,6 +106,17 @@ pub(super) struct Work {
     rows: Vec<Row>,
 }
 
+/// How far candidates reach: the place of the radius in [`SEARCHED`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All.
+    Wide = 0,
+    /// Those for meshes without noise.
+    Narrow = 2,
+    /// Those that show the noise, the residual of a jet included.
+    Sample = 3,
+}
+
 impl Candidates {
     /// The candidates at `v`, and the residual of a jet, as [`jets::Jets::residual`].
     pub(super) fn new(
@@ -113,12 +124,12 @@ impl Candidates {
         topology: &Topology,
         work: &mut Work,
         v: u32,
-        widest: f64,
+        extent: Extent,
     ) -> (Self, Option<f64>) {
-        let from = SEARCHED.iter().position(|&r| r <= widest).unwrap_or(SEARCHED.len() - 1);
+        let from = extent as usize;
         let reach = work.gathering.gather(sites, topology, v, &SEARCHED[from..]);
         let found: &[Neighbor] = &work.gathering.found;
-        let jets = jets::jets(found, &mut work.rows);
+        let jets = jets::jets(found, &mut work.rows, extent == Extent::Sample);
         let fits = regression::fits(sites, found);
         let mut all = Self {
             lean: jets.lean.map(|lean| lean.map(|x| x as f32)),
@@ -281,7 +292,7 @@ mod tests {
         let mut work = Work::default();
         let mut sums = [[0.0; COUNT]; COUNT];
         for v in 0..n * n {
-            let (all, _) = Candidates::new(&sites, mesh.topology(), &mut work, v, f64::INFINITY);
+            let (all, _) = Candidates::new(&sites, mesh.topology(), &mut work, v, Extent::Wide);
             let derivative = |k: usize| all.mean[k] / rise * 0.75f64.sqrt();
             for i in 0..COUNT {
                 for j in 0..COUNT {

@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::super::field::{Accuracy, AtVertex, CurvatureField};
 use super::super::status::Undefined;
 use super::candidate::{COUNT, Candidates, Level, QUANTITIES, Quantity, RADII};
+use super::noise::Noise;
 use super::regression::density;
 use super::risk::SquaredBias;
 use super::site::{Site, Sites};
@@ -87,7 +88,7 @@ impl Combined {
     /// The estimate of one ring, without a statement on its error.
     fn one_ring(sites: &Sites, v: usize) -> Result<Self, Undefined> {
         let (site, length) = (&sites.all[v], sites.length[v]);
-        let value = density(sites, v, 1.0 / length).ok_or(Undefined::NoArea)?;
+        let value = density(sites, v).ok_or(Undefined::NoArea)?;
         let at = site.at(value, length);
         let errors = [at.mean.abs(), at.gaussian.abs()];
         Ok(Self { at, errors, scale: length, normal: site.normal })
@@ -114,7 +115,7 @@ impl Site {
 pub(super) fn field(
     mesh: &TriMesh,
     sites: &Sites,
-    noise: &[[f64; 2]],
+    noise: &[Noise],
     found: Vec<Result<Combined, Undefined>>,
 ) -> CurvatureField {
     let unit = 1.0 / sites.unit;
@@ -126,7 +127,7 @@ pub(super) fn field(
         mean_error: of(|at| at.errors[0], unit),
         gaussian_error: of(|at| at.errors[1], unit * unit),
         scale: of(|at| at.scale, sites.unit),
-        noise: noise.iter().map(|[heights, _]| heights * sites.unit).collect(),
+        noise: noise.iter().map(|noise| noise.heights * sites.unit).collect(),
         normals: found
             .iter()
             .map(|at| at.as_ref().map_or([0.0; 3], |at| at.normal.to_array()))

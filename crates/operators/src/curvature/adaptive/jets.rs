@@ -47,30 +47,33 @@ pub(super) struct Jets {
     /// The covariance of H, for noise of variance 1 along the normal.
     pub(super) covariance: [[f64; RADII.len()]; RADII.len()],
     /// The distance of the vertex from a jet over the standard deviation of that for noise of
-    /// variance 1.
+    /// variance 1, if asked for.
     pub(super) residual: Option<f64>,
 }
 
 /// Fits jets to the neighbours; `rows` is memory.
-pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>) -> Jets {
+pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, with_residual: bool) -> Jets {
     let widest = RADII[RADII.len() - 1].powi(2);
     rows.clear();
     let base = base(found);
     let mut cosines = [1f64; RADII.len()];
     let mut points = [0; RADII.len()];
-    let mut equations = [NormalEquations::<TERMS>::default(); RADII.len()];
+    let mut sums = [[0.0; MOMENTS]; RADII.len()];
     for neighbor in found.iter().filter(|n| n.square < widest) {
         let [x, y, z] = neighbor.point;
         let height = z - base;
         let square = x * x + y * y + height * height;
-        let row = Row { terms: terms(x, y, height), square };
-        for (k, weight) in weights(row.square) {
+        let moments = moments(x, y, height);
+        for (k, weight) in weights(square) {
             cosines[k] = cosines[k].min(neighbor.cosine);
             points[k] += 1;
-            equations[k].add(&row.terms, height, weight);
+            for (sum, moment) in sums[k].iter_mut().zip(&moments) {
+                *sum += weight * moment;
+            }
         }
-        rows.push(row);
+        rows.push(Row { terms: terms(&moments, height), square });
     }
+    let equations = sums.map(|sums| equations(&sums));
     let factors: [Option<NormalFactor<TERMS>>; RADII.len()] = std::array::from_fn(|k| {
         (cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS).then(|| equations[k].factor())?
     });
@@ -86,7 +89,7 @@ pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>) -> Jets {
         if let Some((value, lean)) = coefficients.and_then(|c| curvature(&c)) {
             (found.values[k], found.lean[k]) = (Some(value), lean);
         }
-        if k == OF_NOISE {
+        if k == OF_NOISE && with_residual {
             found.residual = coefficients.zip(*factor).and_then(|(c, factor)| {
                 Some((base + c[0]).abs() / residual_deviation(rows, &factor)?)
             });
@@ -125,26 +128,105 @@ fn weights(square: f64) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
+/// Monomials of x and y up to degree 8 by degree, the first 15 of them times z² and times z, z⁴
+/// and z³: the equations of a jet consist of their weighted sums.
+const MOMENTS: usize = SQUARES + 2 * TERMS + 2 + 1;
+const SQUARES: usize = 45;
+const LINEAR: usize = SQUARES + TERMS;
+const FOURTH: usize = LINEAR + TERMS;
+
 #[inline]
-fn terms(x: f64, y: f64, z: f64) -> [f64; TERMS] {
-    let (xx, xy, yy) = (x * x, x * y, y * y);
-    [
-        1.0,
-        x,
-        y,
-        xx + yy + z * z,
-        xx - yy,
-        xy,
-        xx * x,
-        xx * y,
-        x * yy,
-        yy * y,
-        xx * xx,
-        xx * xy,
-        xx * yy,
-        xy * yy,
-        yy * yy,
-    ]
+fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
+    let mut all = [0.0; MOMENTS];
+    all[0] = 1.0;
+    let mut from = 0;
+    for degree in 1..=8 {
+        let to = from + degree;
+        for j in 0..degree {
+            all[to + j] = x * all[from + j];
+        }
+        all[to + degree] = y * all[to - 1];
+        from = to;
+    }
+    let square = z * z;
+    for k in 0..TERMS {
+        all[SQUARES + k] = square * all[k];
+        all[LINEAR + k] = z * all[k];
+    }
+    all[FOURTH] = square * square;
+    all[FOURTH + 1] = square * z;
+    all
+}
+
+/// The exponents of x and y of the terms; the place of two terms is taken by x² and y².
+const EXPONENTS: [[usize; 2]; TERMS] = [
+    [0, 0],
+    [1, 0],
+    [0, 1],
+    [2, 0],
+    [0, 2],
+    [1, 1],
+    [3, 0],
+    [2, 1],
+    [1, 2],
+    [0, 3],
+    [4, 0],
+    [3, 1],
+    [2, 2],
+    [1, 3],
+    [0, 4],
+];
+
+/// The place of x² + y² + z², and that of x² − y².
+const SPHERE: usize = 3;
+const SADDLE: usize = 4;
+
+/// The place of a monomial among the moments.
+const fn place([i, j]: [usize; 2]) -> usize {
+    (i + j) * (i + j + 1) / 2 + j
+}
+
+#[inline]
+fn terms(moments: &[f64; MOMENTS], z: f64) -> [f64; TERMS] {
+    let mut terms = EXPONENTS.map(|e| moments[place(e)]);
+    let [xx, yy] = [terms[SPHERE], terms[SADDLE]];
+    (terms[SPHERE], terms[SADDLE]) = (xx + yy + z * z, xx - yy);
+    terms
+}
+
+/// The normal equations from the weighted sums of the moments.
+fn equations(sums: &[f64; MOMENTS]) -> NormalEquations<TERMS> {
+    let mut matrix = [[0.0; TERMS]; TERMS];
+    let mut rhs = EXPONENTS.map(|e| sums[LINEAR + place(e)]);
+    for k in 0..TERMS {
+        for l in 0..TERMS {
+            let ([i, j], [m, n]) = (EXPONENTS[k], EXPONENTS[l]);
+            matrix[k][l] = sums[place([i + m, j + n])];
+        }
+    }
+    // Products with x² and y² become those with their sum and difference, columns then rows.
+    for row in &mut matrix {
+        let [xx, yy] = [row[SPHERE], row[SADDLE]];
+        (row[SPHERE], row[SADDLE]) = (xx + yy, xx - yy);
+    }
+    let [xx, yy] = [matrix[SPHERE], matrix[SADDLE]];
+    for l in 0..TERMS {
+        (matrix[SPHERE][l], matrix[SADDLE][l]) = (xx[l] + yy[l], xx[l] - yy[l]);
+    }
+    (rhs[SPHERE], rhs[SADDLE]) = (rhs[SPHERE] + rhs[SADDLE], rhs[SPHERE] - rhs[SADDLE]);
+    // The products with z² are added to those of the sum.
+    let mut squares = EXPONENTS.map(|e| sums[SQUARES + place(e)]);
+    let [xx, yy] = [squares[SPHERE], squares[SADDLE]];
+    (squares[SPHERE], squares[SADDLE]) = (xx + yy + sums[FOURTH], xx - yy);
+    for l in 0..TERMS {
+        matrix[SPHERE][l] += squares[l];
+        if l != SPHERE {
+            matrix[l][SPHERE] += squares[l];
+        }
+    }
+    matrix[SPHERE][SPHERE] += xx + yy;
+    rhs[SPHERE] += sums[FOURTH + 1];
+    NormalEquations::from_sums(matrix, rhs)
 }
 
 /// H, K and the second form without its trace, carried to the frame of the vertex, and the
@@ -195,7 +277,7 @@ fn covariance(
     factors: &[Option<NormalFactor<TERMS>>; RADII.len()],
 ) -> [[f64; RADII.len()]; RADII.len()] {
     let mut unit = [0.0; TERMS];
-    unit[3] = -2.0;
+    unit[SPHERE] = -2.0;
     let solutions = factors.map(|factor| factor.map_or([0.0; TERMS], |f| f.solve(&unit)));
     let mut sums = [[0.0; RADII.len()]; RADII.len()];
     for row in rows {

@@ -14,6 +14,7 @@ use fairing_parameters::Options;
 use rayon::prelude::*;
 
 use self::candidate::{Candidates, Level, Work};
+use self::noise::Noise;
 use self::combine::{Combined, combine};
 use self::site::Sites;
 use super::field::CurvatureField;
@@ -75,13 +76,13 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
         .into_par_iter()
         .with_min_len(1024)
         .map_init(Work::default, |work, v| match sites.length[v as usize] > 0.0 {
-            true => Candidates::new(&sites, topology, work, v, f64::INFINITY).0,
+            true => Candidates::new(&sites, topology, work, v, noise[v as usize].extent).0,
             false => Candidates::none(),
         })
         .collect();
-    let level = |(noise, length): (&[f64; 2], &f64)| {
-        let [heights, measures] = noise.map(|s| (s / length).powi(2));
-        Level { heights, measures }
+    let level = |(noise, length): (&Noise, &f64)| Level {
+        heights: (noise.heights / length).powi(2),
+        measures: (noise.measures / length).powi(2),
     };
     let levels: Vec<Level> = noise.iter().zip(&sites.length).map(level).collect();
     let bias = risk::squared_bias(topology, &all, &levels, options.noise);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::gather::{Neighbor, turn_of_frame};
-use super::site::Sites;
+use super::site::{Site, Sites};
 use crate::NormalEquations;
 
 /// The radii of the regressions, in local mean edges.
@@ -23,7 +23,7 @@ const SMEAR: f64 = 2.2;
 /// Products of a row (1, x, y, ρ² + s) with itself and with four values.
 const PRODUCTS: usize = 10 + 16;
 
-/// A regression: H, K and the two parts of the second form without its trace, in local units.
+/// A regression: H, K and the two parts of the second form without its trace.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     /// The intercepts.
@@ -49,64 +49,60 @@ pub(super) struct Fits {
 
 /// The values at the centre.
 pub(super) fn fits(sites: &Sites, found: &[Neighbor]) -> Fits {
-    let (sums, cosines, regressions) = regressions(sites, found);
+    let (sums, cosines) = sums(sites, found);
+    let fit = |k: usize| if cosines[k] > MIN_COSINE { solve(&sums[k]) } else { None };
+    let fits: [Option<Fit>; RADII.len()] = std::array::from_fn(fit);
     let v = found[0].vertex as usize;
-    let bent = regressions[1].or(regressions[0]);
-    let smear = smear(sites, v, 1.0 / sites.length[v]);
-    let value = density(sites, v, 1.0 / sites.length[v]);
-    let one_ring =
-        bent.zip(value).map(|(fit, value)| std::array::from_fn(|k| value[k] - smear * fit.bend[k]));
-    let mut all = [None; 1 + RADII.len()];
-    all[0] = one_ring;
-    for (to, fit) in all[1..].iter_mut().zip(&regressions) {
-        *to = fit.map(|fit| fit.value);
+    let length = sites.length[v];
+    let smear = SMEAR * sites.all[v].spread / (length * length);
+    let one_ring = fits[1].or(fits[0]).zip(density(sites, v)).map(|(fit, value)| {
+        let bend = in_local_units(fit.bend, length);
+        std::array::from_fn(|k| value[k] - smear * bend[k])
+    });
+    let mut regressions = [None; 1 + RADII.len()];
+    regressions[0] = one_ring;
+    for (to, fit) in regressions[1..].iter_mut().zip(&fits) {
+        *to = fit.map(|fit| in_local_units(fit.value, length));
     }
     let mean = |r: usize| {
         let of = |k: usize| sums[r][10 + 4 * k] / sums[r][0];
-        (cosines[r] > MIN_COSINE_OF_MEAN && sums[r][0] > 0.0).then(|| std::array::from_fn(of))
+        let is_valid = cosines[r] > MIN_COSINE_OF_MEAN && sums[r][0] > 0.0;
+        is_valid.then(|| in_local_units(std::array::from_fn(of), length))
     };
     Fits {
-        regressions: all,
+        regressions,
         means: std::array::from_fn(|k| mean(k + 1)),
-        leverage: regressions.map(|fit| fit.map_or(1.0, |fit| fit.leverage)),
+        leverage: fits.map(|fit| fit.map_or(1.0, |fit| fit.leverage)),
     }
 }
 
-/// The measures at a vertex, in local units.
-fn measure(sites: &Sites, v: usize, unit: f64) -> [f64; 4] {
-    let [mean, gaussian, p, q] = sites.all[v].measure;
-    [mean * unit, gaussian, p * unit, q * unit]
-}
-
 /// The one-ring density at a vertex, in local units; `None` without a positive area.
-pub(super) fn density(sites: &Sites, v: usize, unit: f64) -> Option<[f64; 4]> {
-    let area = sites.all[v].area * unit * unit;
-    (area > 0.0).then(|| measure(sites, v, unit).map(|x| x / area))
+pub(super) fn density(sites: &Sites, v: usize) -> Option<[f64; 4]> {
+    let Site { area, measure, .. } = sites.all[v];
+    (area > 0.0).then(|| in_local_units(measure.map(|x| x / area), sites.length[v]))
 }
 
-fn smear(sites: &Sites, v: usize, unit: f64) -> f64 {
-    SMEAR * sites.all[v].spread * unit * unit
+fn in_local_units([mean, gaussian, p, q]: [f64; 4], length: f64) -> [f64; 4] {
+    [mean * length, gaussian * length * length, p * length, q * length]
 }
 
 type Sums = [[f64; PRODUCTS]; RADII.len()];
 
-fn regressions(
-    sites: &Sites,
-    found: &[Neighbor],
-) -> (Sums, [f64; RADII.len()], [Option<Fit>; RADII.len()]) {
+/// The sums of the products and the least cosine, for each radius.
+fn sums(sites: &Sites, found: &[Neighbor]) -> (Sums, [f64; RADII.len()]) {
     let centre = &sites.all[found[0].vertex as usize];
     let unit = 1.0 / sites.length[found[0].vertex as usize];
     let frame = [centre.axis, centre.normal.cross(centre.axis), centre.normal];
+    let smear = SMEAR * unit * unit;
     let mut sums = [[0.0; PRODUCTS]; RADII.len()];
     let mut cosines = [1f64; RADII.len()];
     for neighbor in found {
-        let first = RADII.iter().position(|r| neighbor.square < r * r).unwrap_or(RADII.len());
-        for cosine in &mut cosines[first..] {
-            *cosine = cosine.min(neighbor.cosine);
-        }
-        if let Some(products) = products(sites, neighbor, frame, unit) {
+        let Some(first) = RADII.iter().position(|r| neighbor.square < r * r) else { continue };
+        cosines[first] = cosines[first].min(neighbor.cosine);
+        let site = &sites.all[neighbor.vertex as usize];
+        if let Some(products) = products(site, neighbor, frame, smear) {
             for (sum, r) in sums[first..].iter_mut().zip(&RADII[first..]) {
-                let inside = 1.0 - neighbor.square / (r * r);
+                let inside = 1.0 - neighbor.square * (1.0 / (r * r));
                 let weight = inside * inside;
                 for (s, p) in sum.iter_mut().zip(&products) {
                     *s += weight * p;
@@ -114,31 +110,30 @@ fn regressions(
             }
         }
     }
-    let fit = |k: usize| if cosines[k] > MIN_COSINE { solve(&sums[k]) } else { None };
-    (sums, cosines, std::array::from_fn(fit))
+    for k in 1..RADII.len() {
+        cosines[k] = cosines[k].min(cosines[k - 1]);
+    }
+    (sums, cosines)
 }
 
 #[inline]
 fn products(
-    sites: &Sites,
+    site: &Site,
     neighbor: &Neighbor,
     frame: [DVec3; 3],
-    unit: f64,
+    smear: f64,
 ) -> Option<[f64; PRODUCTS]> {
-    let w = neighbor.vertex as usize;
-    let site = &sites.all[w];
     let [c, s] = turn_of_frame([site.axis, site.normal], frame, neighbor.cosine)?;
     let (c2, s2) = (c * c - s * s, 2.0 * c * s);
-    let [mean, gaussian, p, q] = measure(sites, w, unit);
-    let area = site.area * unit * unit;
+    let [mean, gaussian, p, q] = site.measure;
     let values = [mean, gaussian, c2 * p - s2 * q, s2 * p + c2 * q];
     let [x, y, _] = neighbor.point;
-    let row = [1.0, x, y, x * x + y * y + smear(sites, w, unit)];
+    let row = [1.0, x, y, x * x + y * y + smear * site.spread];
     let mut products = [0.0; PRODUCTS];
     let mut at = 0;
     for i in 0..4 {
         for j in 0..=i {
-            products[at] = area * row[i] * row[j];
+            products[at] = site.area * row[i] * row[j];
             at += 1;
         }
     }

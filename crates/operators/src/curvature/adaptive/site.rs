@@ -16,7 +16,10 @@ const ROUNDS: usize = 4;
 const NORMAL_ROUNDS: usize = 2;
 
 /// A vertex with the measures of a third of each of its faces, in units of [`Sites::unit`].
+///
+/// Two lines of the cache, since neighbourhoods read them in any order.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Site {
     pub(super) position: DVec3,
     /// The unit normal after [`NORMAL_ROUNDS`] rounds of averaging, zero where there is none.
