@@ -59,9 +59,9 @@ fairing_parameters::algorithms! {
 }
 
 impl Estimator {
-    /// The recommended estimator for unknown meshes: cubic jets over three rings, which converge on
-    /// irregular meshes.
-    pub const RECOMMENDED: Self = Self::Jet(JetOptions::DEFAULT);
+    /// The recommended estimator for unknown meshes: it finds its own scale, on clean meshes and on
+    /// noisy ones, and says how far to trust it.
+    pub const RECOMMENDED: Self = Self::Adaptive(AdaptiveOptions::DEFAULT);
 }
 
 #[cfg(test)]

@@ -129,7 +129,7 @@ impl Candidates {
         let from = extent as usize;
         let reach = work.gathering.gather(sites, topology, v, &SEARCHED[from..]);
         let found: &[Neighbor] = &work.gathering.found;
-        let jets = jets::jets(found, &mut work.rows, extent == Extent::Sample);
+        let jets = jets::jets(found, &mut work.rows, extent);
         let fits = regression::fits(sites, found);
         let mut all = Self {
             lean: jets.lean.map(|lean| lean.map(|x| x as f32)),
@@ -181,6 +181,12 @@ impl Candidates {
             covariance: [[0.0; jets::RADII.len()]; jets::RADII.len()],
             area: 0.0,
         }
+    }
+
+    /// Returns true where the surface turns by more than about 100° within 2.75 edges, so that
+    /// nothing but one ring describes it.
+    pub(super) fn is_coarse(&self) -> bool {
+        !self.is_valid(2)
     }
 
     pub(super) fn is_steady(&self, k: usize) -> bool {

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::super::field::{Accuracy, AtVertex, CurvatureField};
 use super::super::status::Undefined;
-use super::candidate::{COUNT, Candidates, Level, QUANTITIES, Quantity, RADII};
+use super::candidate::{COUNT, Candidates, Extent, Level, QUANTITIES, Quantity, RADII};
 use super::noise::Noise;
 use super::regression::density;
 use super::risk::SquaredBias;
@@ -14,6 +14,10 @@ use crate::symmetric::Symmetric2;
 
 /// The weight of a candidate is the risk to the power of minus this.
 const POWER: i32 = 4;
+
+/// Where many candidates compete, the least of the estimated risks is too small: the errors of the
+/// surfaces that constants are chosen on are larger by this.
+const CHOSEN: f64 = 1.3;
 
 /// Below this, a squared error in local units is rounding.
 const ROUNDING: f64 = 1e-22;
@@ -28,7 +32,7 @@ pub(super) struct Combined {
     normal: DVec3,
 }
 
-/// Weights of the candidates that sum to one, and the squared error.
+/// Weights of the candidates that sum to one, and the error.
 fn weights(
     all: &Candidates,
     bias: &SquaredBias,
@@ -49,17 +53,37 @@ fn weights(
     let mut weights = risk.map(|r| (least / r).powi(POWER));
     let sum: f64 = weights.iter().sum();
     weights = weights.map(|w| w / sum);
-    let error = weights.iter().zip(&risk).filter(|(w, _)| **w > 0.0).map(|(w, r)| w * r).sum();
-    Some((weights, error))
+    let terms = weights.iter().zip(&risk).filter(|(w, _)| **w > 0.0);
+    let error = terms.map(|(w, r)| w * r).sum::<f64>();
+    Some((weights, error.sqrt()))
 }
 
-/// The estimate at vertex `v`.
+/// The estimate at vertex `v`. Where H and K of a `coarse` neighbourhood are given, they are taken,
+/// and the candidates are a check.
 pub(super) fn combine(
     sites: &Sites,
     v: usize,
     all: &Candidates,
     bias: &SquaredBias,
     level: Level,
+    extent: Extent,
+    coarse: Option<[f64; 2]>,
+) -> Result<Combined, Undefined> {
+    let combined = of_candidates(sites, v, all, bias, level, extent)?;
+    Ok(match coarse {
+        Some(values) => combined.replaced(values, &sites.all[v], sites.length[v]),
+        None => combined,
+    })
+}
+
+/// The mean of the candidates at vertex `v`, or the value of one ring without them.
+fn of_candidates(
+    sites: &Sites,
+    v: usize,
+    all: &Candidates,
+    bias: &SquaredBias,
+    level: Level,
+    extent: Extent,
 ) -> Result<Combined, Undefined> {
     let (site, length) = (&sites.all[v], sites.length[v]);
     if site.normal == DVec3::ZERO || length <= 0.0 {
@@ -76,15 +100,26 @@ pub(super) fn combine(
     let k = mean(&|k| all.gaussian[k], &of_gaussian.0);
     let [p, q] = [0, 1].map(|i| mean(&|k| all.deviator[k][i].into(), &of_mean.0));
     let scale = mean(&|k| RADII[k], &of_mean.0);
+    let chosen = if extent == Extent::Wide { CHOSEN } else { 1.0 };
     Ok(Combined {
         at: site.at([h, k, p, q], length),
-        errors: [of_mean.1.sqrt() / length, of_gaussian.1.sqrt() / (length * length)],
+        errors: [chosen * of_mean.1 / length, chosen * of_gaussian.1 / (length * length)],
         scale: scale * length,
         normal: site.normal,
     })
 }
 
 impl Combined {
+    /// These H and K, in the unit of the sites; their difference from those of the candidates is
+    /// the error.
+    fn replaced(self, [h, k]: [f64; 2], site: &Site, length: f64) -> Self {
+        let half = 0.5 * (self.at.values[0] - self.at.values[1]);
+        let directions = self.at.directions;
+        let at = AtVertex { values: [h + half, h - half], mean: h, gaussian: k, directions };
+        let errors = [(h - self.at.mean).abs(), (k - self.at.gaussian).abs()];
+        Self { at, errors, scale: length, normal: site.normal }
+    }
+
     /// The estimate of one ring, without a statement on its error.
     fn one_ring(sites: &Sites, v: usize) -> Result<Self, Undefined> {
         let (site, length) = (&sites.all[v], sites.length[v]);

@@ -9,6 +9,7 @@
 
 use glam::DVec3;
 
+use super::candidate::Extent;
 use super::gather::Neighbor;
 use crate::normal_equations::{NormalEquations, NormalFactor};
 use crate::tangent::tangent_frame;
@@ -51,9 +52,11 @@ pub(super) struct Jets {
     pub(super) residual: Option<f64>,
 }
 
-/// Fits jets to the neighbours; `rows` is memory.
-pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, with_residual: bool) -> Jets {
-    let widest = RADII[RADII.len() - 1].powi(2);
+/// Fits jets to the neighbours; `rows` is memory. The widest of them is left out unless `extent` is
+/// wide.
+pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> Jets {
+    let count = if extent == Extent::Wide { RADII.len() } else { RADII.len() - 1 };
+    let widest = RADII[count - 1].powi(2);
     rows.clear();
     let base = base(found);
     let mut cosines = [1f64; RADII.len()];
@@ -65,6 +68,9 @@ pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, with_residual: bool)
         let square = x * x + y * y + height * height;
         let moments = moments(x, y, height);
         for (k, weight) in weights(square) {
+            if k >= count {
+                break;
+            }
             cosines[k] = cosines[k].min(neighbor.cosine);
             points[k] += 1;
             for (sum, moment) in sums[k].iter_mut().zip(&moments) {
@@ -85,13 +91,13 @@ pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, with_residual: bool)
         residual: None,
     };
     for (k, factor) in factors.iter().enumerate() {
-        let coefficients = factor.map(|factor| factor.solve(equations[k].rhs()));
+        let coefficients = factor.as_ref().map(|factor| factor.solve(equations[k].rhs()));
         if let Some((value, lean)) = coefficients.and_then(|c| curvature(&c)) {
             (found.values[k], found.lean[k]) = (Some(value), lean);
         }
-        if k == OF_NOISE && with_residual {
-            found.residual = coefficients.zip(*factor).and_then(|(c, factor)| {
-                Some((base + c[0]).abs() / residual_deviation(rows, &factor)?)
+        if k == OF_NOISE && extent == Extent::Sample {
+            found.residual = coefficients.zip(factor.as_ref()).and_then(|(c, factor)| {
+                Some((base + c[0]).abs() / residual_deviation(rows, factor)?)
             });
         }
     }
@@ -139,15 +145,14 @@ const FOURTH: usize = LINEAR + TERMS;
 fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
     let mut all = [0.0; MOMENTS];
     all[0] = 1.0;
-    let mut from = 0;
-    for degree in 1..=8 {
-        let to = from + degree;
-        for j in 0..degree {
-            all[to + j] = x * all[from + j];
-        }
-        all[to + degree] = y * all[to - 1];
-        from = to;
-    }
+    next_degree::<1>(&mut all, x, y);
+    next_degree::<2>(&mut all, x, y);
+    next_degree::<3>(&mut all, x, y);
+    next_degree::<4>(&mut all, x, y);
+    next_degree::<5>(&mut all, x, y);
+    next_degree::<6>(&mut all, x, y);
+    next_degree::<7>(&mut all, x, y);
+    next_degree::<8>(&mut all, x, y);
     let square = z * z;
     for k in 0..TERMS {
         all[SQUARES + k] = square * all[k];
@@ -156,6 +161,16 @@ fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
     all[FOURTH] = square * square;
     all[FOURTH + 1] = square * z;
     all
+}
+
+/// Fills in the monomials of a degree from those of the degree below.
+#[inline]
+fn next_degree<const DEGREE: usize>(all: &mut [f64; MOMENTS], x: f64, y: f64) {
+    let (from, to) = (place([DEGREE - 1, 0]), place([DEGREE, 0]));
+    for j in 0..DEGREE {
+        all[to + j] = x * all[from + j];
+    }
+    all[to + DEGREE] = y * all[to - 1];
 }
 
 /// The exponents of x and y of the terms; the place of two terms is taken by x² and y².
@@ -278,7 +293,9 @@ fn covariance(
 ) -> [[f64; RADII.len()]; RADII.len()] {
     let mut unit = [0.0; TERMS];
     unit[SPHERE] = -2.0;
-    let solutions = factors.map(|factor| factor.map_or([0.0; TERMS], |f| f.solve(&unit)));
+    let solutions: [[f64; TERMS]; RADII.len()] = std::array::from_fn(|k| {
+        factors[k].as_ref().map_or([0.0; TERMS], |factor| factor.solve(&unit))
+    });
     let mut sums = [[0.0; RADII.len()]; RADII.len()];
     for row in rows {
         let mut influence = [0.0; RADII.len()];

@@ -41,14 +41,13 @@ impl Noise {
         let deviation = |of: fn(&Sample) -> Option<f64>| {
             median(samples.iter().filter_map(of).collect()).map(|x| x / MEDIAN)
         };
-        let [heights, measures] =
-            match [deviation(|s| s.residual), deviation(|s| s.difference)] {
-                [Some(heights), Some(measures)] => {
-                    let heights = heights.min(DIFFERENCE * measures);
-                    [heights, measures.clamp(heights, MAX_RATIO * heights)]
-                }
-                [heights, measures] => [heights.or(measures).unwrap_or(0.0); 2],
-            };
+        let [heights, measures] = match [deviation(|s| s.residual), deviation(|s| s.difference)] {
+            [Some(heights), Some(measures)] => {
+                let heights = heights.min(DIFFERENCE * measures);
+                [heights, measures.clamp(heights, MAX_RATIO * heights)]
+            }
+            [heights, measures] => [heights.or(measures).unwrap_or(0.0); 2],
+        };
         let bend = samples.iter().map(|s| s.bend).sum::<f64>() / (samples.len() as f64).max(1.0);
         let extent = if heights <= NARROW * bend { Extent::Narrow } else { Extent::Wide };
         Self { heights, measures, extent }
