@@ -2,6 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
+use super::adaptive::{AdaptiveOptions, adaptive_curvature};
 use super::corrected::{CorrectedOptions, corrected_curvature};
 use super::cotangent::{CotangentOptions, cotangent_curvature};
 use super::face_tensor::{FaceTensorOptions, face_tensor_curvature};
@@ -29,6 +30,8 @@ fairing_parameters::algorithms! {
     #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
     #[non_exhaustive]
     pub enum Estimator("estimator") {
+        /// [`adaptive_curvature`]
+        Adaptive(AdaptiveOptions) => |mesh, &options| adaptive_curvature(mesh, options),
         /// [`cotangent_curvature`]
         Cotangent(CotangentOptions) => |mesh, &options| cotangent_curvature(mesh, options),
         /// [`steiner_curvature`]
@@ -56,9 +59,9 @@ fairing_parameters::algorithms! {
 }
 
 impl Estimator {
-    /// The recommended estimator for unknown meshes: cubic jets over three rings, which converge on
-    /// irregular meshes.
-    pub const RECOMMENDED: Self = Self::Jet(JetOptions::DEFAULT);
+    /// The recommended estimator for unknown meshes: it finds its own scale, on clean meshes and on
+    /// noisy ones, and says how far to trust it.
+    pub const RECOMMENDED: Self = Self::Adaptive(AdaptiveOptions::DEFAULT);
 }
 
 #[cfg(test)]

@@ -35,6 +35,27 @@ pub struct CurvatureField {
     ///
     /// [`cotangent_curvature`]: super::cotangent_curvature
     pub too_thin: Option<u32>,
+    /// Standard errors and scales, of the estimator that knows them ([`adaptive_curvature`]).
+    ///
+    /// [`adaptive_curvature`]: super::adaptive_curvature
+    pub accuracy: Option<Accuracy>,
+}
+
+/// How far curvature can be trusted at each vertex, in vertex order; zero where undefined.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Accuracy {
+    /// The standard error of H, in 1 / mesh units.
+    pub mean_error: Vec<f64>,
+    /// The standard error of K, in 1 / squared mesh units.
+    pub gaussian_error: Vec<f64>,
+    /// The radius of the neighbourhood that decided H, in mesh units.
+    pub scale: Vec<f64>,
+    /// The standard deviation of the noise along the normal, in mesh units: one number for each
+    /// connected component.
+    pub noise: Vec<f64>,
+    /// The unit normals of the fits.
+    pub normals: Vec<[f64; 3]>,
 }
 
 /// The curvature at a vertex.
@@ -186,6 +207,7 @@ impl CurvatureField {
             status: found.iter().map(|(_, status, _)| *status).collect(),
             boundary: found.iter().map(|(.., boundary)| *boundary).collect(),
             too_thin: None,
+            accuracy: None,
         }
     }
 }

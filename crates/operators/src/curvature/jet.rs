@@ -105,7 +105,7 @@ fairing_parameters::options! {
     "jet2": "noisy smooth shapes: few coefficients average out noise", ["cazals2005"],
         with Self { degree: JetDegree::Two, neighborhood: Neighborhood::Rings(2), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Two;
-    "jet3": "recommended: converges on irregular meshes of smooth shapes", ["cazals2005"],
+    "jet3": "fine, clean meshes of smooth shapes: converges on irregular ones", ["cazals2005"],
         with Self::DEFAULT,
         if |jet| jet.degree == JetDegree::Three;
     "jet4": "most accurate on fine, clean meshes of smooth shapes", ["cazals2005"],

@@ -15,6 +15,7 @@
 //! plain operators of the assignment, and [`laplacian_curvature`] takes a
 //! [`Laplacian`](crate::Laplacian) of any kind.
 
+mod adaptive;
 mod ball;
 mod bending;
 mod cell;
@@ -36,11 +37,12 @@ mod quadric;
 mod status;
 mod steiner;
 
+pub use adaptive::{AdaptiveOptions, NoiseKind, adaptive_curvature};
 pub use corrected::{CorrectedMeasures, CorrectedOptions, corrected_curvature};
 pub use cotangent::{CotangentOptions, cotangent_curvature};
 pub use estimator::Estimator;
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
-pub use field::CurvatureField;
+pub use field::{Accuracy, CurvatureField};
 #[doc(hidden)]
 pub use fit::PrincipalAxes;
 pub use from_laplacian::{laplacian_curvature, laplacian_mean_curvature};

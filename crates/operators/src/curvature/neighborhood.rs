@@ -10,7 +10,7 @@ use crate::error::OperatorError;
 
 /// Neighbours above which a neighbourhood does not reach through a vertex: each
 /// of n neighbours would have all the others.
-const HUB: usize = 256;
+pub(super) const HUB: usize = 256;
 
 /// A length, in mesh units or in mean edge lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,110 @@
+//! The neighbourhood of a vertex, in its tangent frame.
+
+use fairing_mesh::Topology;
+use glam::DVec3;
+
+use super::super::neighborhood::HUB;
+use super::site::Sites;
+
+/// The most vertices of a neighbourhood. Where a ball holds more, a smaller one is taken.
+const MAX_NEIGHBORS: usize = 1200;
+
+/// A neighbour: lengths in local mean edges.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Neighbor {
+    pub(super) vertex: u32,
+    /// Coordinates along the tangents and the normal.
+    pub(super) point: [f64; 3],
+    /// The squared distance.
+    pub(super) square: f64,
+    /// The cosine of the angle between the normals.
+    pub(super) cosine: f64,
+}
+
+/// Finds neighbourhoods, one vertex after another.
+#[derive(Debug, Default)]
+pub(super) struct Gathering {
+    /// The search in which each vertex was last reached, counted from one.
+    reached_in: Vec<u32>,
+    searches: u32,
+    /// The centre first.
+    pub(super) found: Vec<Neighbor>,
+}
+
+impl Gathering {
+    /// The vertices that paths of edges reach without leaving the ball of `radii[0]` local mean
+    /// edges about `v`; of the next smaller radius where there are too many, and the nearest ones
+    /// by edges where even the last has too many. Returns the radius of the ball.
+    pub(super) fn gather(
+        &mut self,
+        sites: &Sites,
+        topology: &Topology,
+        v: u32,
+        radii: &[f64],
+    ) -> f64 {
+        if self.reached_in.len() != sites.all.len() {
+            self.reached_in = vec![0; sites.all.len()];
+        }
+        for &radius in radii {
+            if self.search(sites, topology, v, radius) {
+                return radius;
+            }
+        }
+        radii[radii.len() - 1]
+    }
+
+    /// Returns false where there are too many vertices.
+    fn search(&mut self, sites: &Sites, topology: &Topology, v: u32, radius: f64) -> bool {
+        self.searches += 1;
+        self.found.clear();
+        let centre = &sites.all[v as usize];
+        let [e, f, n] = [centre.axis, centre.normal.cross(centre.axis), centre.normal];
+        let (unit, limit) = (1.0 / sites.length[v as usize], radius * radius);
+        let place = |w: u32| {
+            let other = &sites.all[w as usize];
+            let d = (other.position - centre.position) * unit;
+            let point = [d.dot(e), d.dot(f), d.dot(n)];
+            Neighbor { vertex: w, point, square: d.dot(d), cosine: other.normal.dot(n) }
+        };
+        self.reached_in[v as usize] = self.searches;
+        self.found.push(Neighbor { vertex: v, point: [0.0; 3], square: 0.0, cosine: 1.0 });
+        let mut next = 0;
+        while let Some(reached) = self.found.get(next) {
+            let neighbors = topology.neighbors(reached.vertex);
+            next += 1;
+            if neighbors.len() > HUB && next > 1 {
+                continue;
+            }
+            for &w in neighbors {
+                if std::mem::replace(&mut self.reached_in[w as usize], self.searches)
+                    == self.searches
+                {
+                    continue;
+                }
+                let neighbor = place(w);
+                if neighbor.square <= limit {
+                    if self.found.len() == MAX_NEIGHBORS {
+                        return false;
+                    }
+                    self.found.push(neighbor);
+                }
+            }
+        }
+        true
+    }
+}
+
+/// The turn of the tangent frame of `from` after the least rotation that takes its normal to that
+/// of `to`: cosine and sine of the angle from the axis of `to`. `None` for opposite normals.
+#[inline]
+pub(super) fn turn_of_frame(
+    [axis, normal]: [DVec3; 2],
+    [e, f, n]: [DVec3; 3],
+    cosine: f64,
+) -> Option<[f64; 2]> {
+    if 1.0 + cosine < 1e-6 {
+        return None;
+    }
+    let lean = n.dot(axis) / (1.0 + cosine);
+    Some([axis.dot(e) - lean * normal.dot(e), axis.dot(f) - lean * normal.dot(f)])
+}

@@ -1,0 +1,321 @@
+//! Jets of degree 4 that are exact on spheres.
+//!
+//! ```text
+//! z = c₀ + c₁ x + c₂ y + c₃ (x² + y² + z²) + c₄ (x² − y²) + c₅ xy + cubic and quartic terms
+//! ```
+//!
+//! by least squares with weights (1 − d²/r²)²: with z² every sphere through the vertex is one of
+//! these surfaces. The curvature is that of the implicit surface, where it meets the normal.
+
+use glam::DVec3;
+
+use super::candidate::Extent;
+use super::gather::Neighbor;
+use crate::normal_equations::{NormalEquations, NormalFactor};
+use crate::tangent::tangent_frame;
+
+/// The radii of the jets, in local mean edges.
+pub(super) const RADII: [f64; 4] = [2.4, 3.0, 4.0, 5.5];
+
+/// The jet whose residual shows the noise.
+const OF_NOISE: usize = 1;
+
+/// The least cosine between the normals of each neighbourhood and its centre.
+const MIN_COSINES: [f64; RADII.len()] = [-0.5, 0.0, 0.0, 0.0];
+
+/// The fewest points of a fit with 15 coefficients.
+const MIN_POINTS: usize = 18;
+
+/// The coefficients of a jet.
+const TERMS: usize = 15;
+
+/// A point of a fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    terms: [f64; TERMS],
+    square: f64,
+}
+
+/// The jets at a vertex, in local units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Jets {
+    /// H, K and the two parts of the second form without its trace.
+    pub(super) values: [Option<[f64; 4]>; RADII.len()],
+    /// The least cosine between the normals of each neighbourhood and its centre.
+    pub(super) cosines: [f64; RADII.len()],
+    /// The components along the tangents of the normal of each jet.
+    pub(super) lean: [[f64; 2]; RADII.len()],
+    /// The covariance of H, for noise of variance 1 along the normal.
+    pub(super) covariance: [[f64; RADII.len()]; RADII.len()],
+    /// The distance of the vertex from a jet over the standard deviation of that for noise of
+    /// variance 1, if asked for.
+    pub(super) residual: Option<f64>,
+}
+
+/// Fits jets to the neighbours; `rows` is memory. The widest of them is left out unless `extent` is
+/// wide.
+pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> Jets {
+    let count = if extent == Extent::Wide { RADII.len() } else { RADII.len() - 1 };
+    let widest = RADII[count - 1].powi(2);
+    rows.clear();
+    let base = base(found);
+    let mut cosines = [1f64; RADII.len()];
+    let mut points = [0; RADII.len()];
+    let mut sums = [[0.0; MOMENTS]; RADII.len()];
+    for neighbor in found.iter().filter(|n| n.square < widest) {
+        let [x, y, z] = neighbor.point;
+        let height = z - base;
+        let square = x * x + y * y + height * height;
+        let moments = moments(x, y, height);
+        for (k, weight) in weights(square) {
+            if k >= count {
+                break;
+            }
+            cosines[k] = cosines[k].min(neighbor.cosine);
+            points[k] += 1;
+            for (sum, moment) in sums[k].iter_mut().zip(&moments) {
+                *sum += weight * moment;
+            }
+        }
+        rows.push(Row { terms: terms(&moments, height), square });
+    }
+    let equations = sums.map(|sums| equations(&sums));
+    let factors: [Option<NormalFactor<TERMS>>; RADII.len()] = std::array::from_fn(|k| {
+        (cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS).then(|| equations[k].factor())?
+    });
+    let mut found = Jets {
+        values: [None; RADII.len()],
+        cosines,
+        lean: [[0.0; 2]; RADII.len()],
+        covariance: [[0.0; RADII.len()]; RADII.len()],
+        residual: None,
+    };
+    for (k, factor) in factors.iter().enumerate() {
+        let coefficients = factor.as_ref().map(|factor| factor.solve(equations[k].rhs()));
+        if let Some((value, lean)) = coefficients.and_then(|c| curvature(&c)) {
+            (found.values[k], found.lean[k]) = (Some(value), lean);
+        }
+        if k == OF_NOISE && extent == Extent::Sample {
+            found.residual = coefficients.zip(factor.as_ref()).and_then(|(c, factor)| {
+                Some((base + c[0]).abs() / residual_deviation(rows, factor)?)
+            });
+        }
+    }
+    found.covariance = covariance(rows, &factors);
+    found
+}
+
+/// The height of the surface over the tangent plane through the vertex, which has noise: the
+/// intercept of a paraboloid about the normal.
+///
+/// Heights in the terms are over this base. If they were over the vertex, squared heights would
+/// hold products of its noise with that of the others, and the fit would follow the noise.
+fn base(found: &[Neighbor]) -> f64 {
+    let mut equations = NormalEquations::<4>::default();
+    for neighbor in found {
+        let [x, y, z] = neighbor.point;
+        let inside = 1.0 - neighbor.square / BASE_RADIUS.powi(2);
+        if inside > 0.0 {
+            equations.add(&[1.0, x, y, x * x + y * y], z, inside * inside);
+        }
+    }
+    equations.solve().map_or(0.0, |c| c[0].clamp(-0.5, 0.5))
+}
+
+/// The radius of the paraboloid.
+const BASE_RADIUS: f64 = 3.0;
+
+/// The weights of a point in the jets whose balls hold it.
+#[inline]
+fn weights(square: f64) -> impl Iterator<Item = (usize, f64)> {
+    RADII.into_iter().enumerate().filter_map(move |(k, r)| {
+        let inside = 1.0 - square / (r * r);
+        (inside > 0.0).then_some((k, inside * inside))
+    })
+}
+
+/// Monomials of x and y up to degree 8 by degree, the first 15 of them times z² and times z, z⁴
+/// and z³: the equations of a jet consist of their weighted sums.
+const MOMENTS: usize = SQUARES + 2 * TERMS + 2 + 1;
+const SQUARES: usize = 45;
+const LINEAR: usize = SQUARES + TERMS;
+const FOURTH: usize = LINEAR + TERMS;
+
+#[inline]
+fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
+    let mut all = [0.0; MOMENTS];
+    all[0] = 1.0;
+    next_degree::<1>(&mut all, x, y);
+    next_degree::<2>(&mut all, x, y);
+    next_degree::<3>(&mut all, x, y);
+    next_degree::<4>(&mut all, x, y);
+    next_degree::<5>(&mut all, x, y);
+    next_degree::<6>(&mut all, x, y);
+    next_degree::<7>(&mut all, x, y);
+    next_degree::<8>(&mut all, x, y);
+    let square = z * z;
+    for k in 0..TERMS {
+        all[SQUARES + k] = square * all[k];
+        all[LINEAR + k] = z * all[k];
+    }
+    all[FOURTH] = square * square;
+    all[FOURTH + 1] = square * z;
+    all
+}
+
+/// Fills in the monomials of a degree from those of the degree below.
+#[inline]
+fn next_degree<const DEGREE: usize>(all: &mut [f64; MOMENTS], x: f64, y: f64) {
+    let (from, to) = (place([DEGREE - 1, 0]), place([DEGREE, 0]));
+    for j in 0..DEGREE {
+        all[to + j] = x * all[from + j];
+    }
+    all[to + DEGREE] = y * all[to - 1];
+}
+
+/// The exponents of x and y of the terms; the place of two terms is taken by x² and y².
+const EXPONENTS: [[usize; 2]; TERMS] = [
+    [0, 0],
+    [1, 0],
+    [0, 1],
+    [2, 0],
+    [0, 2],
+    [1, 1],
+    [3, 0],
+    [2, 1],
+    [1, 2],
+    [0, 3],
+    [4, 0],
+    [3, 1],
+    [2, 2],
+    [1, 3],
+    [0, 4],
+];
+
+/// The place of x² + y² + z², and that of x² − y².
+const SPHERE: usize = 3;
+const SADDLE: usize = 4;
+
+/// The place of a monomial among the moments.
+const fn place([i, j]: [usize; 2]) -> usize {
+    (i + j) * (i + j + 1) / 2 + j
+}
+
+#[inline]
+fn terms(moments: &[f64; MOMENTS], z: f64) -> [f64; TERMS] {
+    let mut terms = EXPONENTS.map(|e| moments[place(e)]);
+    let [xx, yy] = [terms[SPHERE], terms[SADDLE]];
+    (terms[SPHERE], terms[SADDLE]) = (xx + yy + z * z, xx - yy);
+    terms
+}
+
+/// The normal equations from the weighted sums of the moments.
+fn equations(sums: &[f64; MOMENTS]) -> NormalEquations<TERMS> {
+    let mut matrix = [[0.0; TERMS]; TERMS];
+    let mut rhs = EXPONENTS.map(|e| sums[LINEAR + place(e)]);
+    for k in 0..TERMS {
+        for l in 0..TERMS {
+            let ([i, j], [m, n]) = (EXPONENTS[k], EXPONENTS[l]);
+            matrix[k][l] = sums[place([i + m, j + n])];
+        }
+    }
+    // Products with x² and y² become those with their sum and difference, columns then rows.
+    for row in &mut matrix {
+        let [xx, yy] = [row[SPHERE], row[SADDLE]];
+        (row[SPHERE], row[SADDLE]) = (xx + yy, xx - yy);
+    }
+    let [xx, yy] = [matrix[SPHERE], matrix[SADDLE]];
+    for l in 0..TERMS {
+        (matrix[SPHERE][l], matrix[SADDLE][l]) = (xx[l] + yy[l], xx[l] - yy[l]);
+    }
+    (rhs[SPHERE], rhs[SADDLE]) = (rhs[SPHERE] + rhs[SADDLE], rhs[SPHERE] - rhs[SADDLE]);
+    // The products with z² are added to those of the sum.
+    let mut squares = EXPONENTS.map(|e| sums[SQUARES + place(e)]);
+    let [xx, yy] = [squares[SPHERE], squares[SADDLE]];
+    (squares[SPHERE], squares[SADDLE]) = (xx + yy + sums[FOURTH], xx - yy);
+    for l in 0..TERMS {
+        matrix[SPHERE][l] += squares[l];
+        if l != SPHERE {
+            matrix[l][SPHERE] += squares[l];
+        }
+    }
+    matrix[SPHERE][SPHERE] += xx + yy;
+    rhs[SPHERE] += sums[FOURTH + 1];
+    NormalEquations::from_sums(matrix, rhs)
+}
+
+/// H, K and the second form without its trace, carried to the frame of the vertex, and the
+/// components of the normal along the tangents.
+fn curvature(c: &[f64; TERMS]) -> Option<([f64; 4], [f64; 2])> {
+    // The root near c₀ of z = c₀ + c₃ z², by two steps.
+    let z = c[0] + c[3] * c[0] * c[0];
+    let z = c[0] + c[3] * z * z;
+    let gradient = DVec3::new(-c[1], -c[2], 1.0 - 2.0 * c[3] * z);
+    let length = gradient.length();
+    let normal = gradient / length;
+    if !(normal.z > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let hessian = |a: DVec3, b: DVec3| {
+        let plane = 2.0 * (c[3] + c[4]) * a.x * b.x
+            + 2.0 * (c[3] - c[4]) * a.y * b.y
+            + c[5] * (a.x * b.y + a.y * b.x);
+        -(plane + 2.0 * c[3] * a.z * b.z) / length
+    };
+    // The frame that the least rotation from the vertical carries there.
+    let [e, f] = tangent_frame(normal);
+    let (a, b, c) = (hessian(e, e), hessian(e, f), hessian(f, f));
+    let value = [0.5 * (a + c), a * c - b * b, 0.5 * (a - c), b];
+    value.iter().all(|x| x.is_finite()).then_some((value, [normal.x, normal.y]))
+}
+
+/// The standard deviation of the height of the vertex over the jet.
+fn residual_deviation(rows: &[Row], factor: &NormalFactor<TERMS>) -> Option<f64> {
+    let mut unit = [0.0; TERMS];
+    unit[0] = 1.0;
+    let solution = factor.solve(&unit);
+    let influence = |row: &Row| {
+        let weight = weights(row.square).find(|(k, _)| *k == OF_NOISE).map_or(0.0, |(_, w)| w);
+        weight * dot(&row.terms, &solution)
+    };
+    let square: f64 = rows.iter().map(|row| influence(row).powi(2)).sum();
+    let variance = 1.0 - 2.0 * influence(&rows[0]) + square;
+    (variance > MIN_VARIANCE).then(|| variance.sqrt())
+}
+
+/// The least variance of a residual: below it, the jet passes through the vertex.
+const MIN_VARIANCE: f64 = 0.02;
+
+/// H is nearly −2 c₃, which is linear in the heights: the sums of products of its derivatives.
+fn covariance(
+    rows: &[Row],
+    factors: &[Option<NormalFactor<TERMS>>; RADII.len()],
+) -> [[f64; RADII.len()]; RADII.len()] {
+    let mut unit = [0.0; TERMS];
+    unit[SPHERE] = -2.0;
+    let solutions: [[f64; TERMS]; RADII.len()] = std::array::from_fn(|k| {
+        factors[k].as_ref().map_or([0.0; TERMS], |factor| factor.solve(&unit))
+    });
+    let mut sums = [[0.0; RADII.len()]; RADII.len()];
+    for row in rows {
+        let mut influence = [0.0; RADII.len()];
+        for (k, weight) in weights(row.square) {
+            influence[k] = weight * dot(&row.terms, &solutions[k]);
+        }
+        for i in 0..RADII.len() {
+            for j in 0..=i {
+                sums[i][j] += influence[i] * influence[j];
+            }
+        }
+    }
+    for i in 0..RADII.len() {
+        for j in 0..i {
+            sums[j][i] = sums[i][j];
+        }
+    }
+    sums
+}
+
+fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

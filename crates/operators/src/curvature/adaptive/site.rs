@@ -1,0 +1,154 @@
+//! The vertices as samples of curvature: one-ring densities of corrected measures.
+
+use fairing_mesh::TriMesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::super::corrected::CorrectedMeasures;
+use crate::normals::{NormalWeight, weighted_vertex_normals};
+use crate::tangent::tangent_frame;
+
+/// Rounds of averaging over the neighbours that make a mean edge length a local one.
+const ROUNDS: usize = 4;
+
+/// Rounds of averaging over the neighbours that make a normal one of the surface without its
+/// noise: the frame of fits, and the measure of how far a neighbourhood turns.
+const NORMAL_ROUNDS: usize = 2;
+
+/// A vertex with the measures of a third of each of its faces, in units of [`Sites::unit`].
+///
+/// Two lines of the cache, since neighbourhoods read them in any order.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Site {
+    pub(super) position: DVec3,
+    /// The unit normal after [`NORMAL_ROUNDS`] rounds of averaging, zero where there is none.
+    pub(super) normal: DVec3,
+    /// The first axis of the tangent plane; the second is `normal × axis`.
+    pub(super) axis: DVec3,
+    /// μ⁰.
+    pub(super) area: f64,
+    /// ½ μ¹, μ², and the parts ½ (II₁₁ − II₂₂) and II₁₂ of the second form, integrated.
+    pub(super) measure: [f64; 4],
+    /// The mean of the squared distance to the vertex over its faces.
+    pub(super) spread: f64,
+}
+
+/// All vertices.
+#[derive(Debug)]
+pub(super) struct Sites {
+    pub(super) all: Vec<Site>,
+    /// The local mean edge length.
+    pub(super) length: Vec<f64>,
+    /// The local area of a vertex over the square of `length`.
+    pub(super) area: Vec<f64>,
+    /// A power of two near the mean edge length, in mesh units: powers of lengths in this unit
+    /// neither overflow nor underflow.
+    pub(super) unit: f64,
+}
+
+impl Sites {
+    pub(super) fn new(mesh: &TriMesh) -> Self {
+        let unit = power_of_two(mesh.mean_edge_length());
+        let normals = weighted_vertex_normals(mesh, NormalWeight::Sphere);
+        let smooth = smoothed_normals(mesh, &normals);
+        let triangle = |f: usize| mesh.triangle(f).map(|p| p.map(|x| x / unit));
+        let measures: Vec<CorrectedMeasures> = (0..mesh.face_count())
+            .into_par_iter()
+            .with_min_len(4096)
+            .map(|f| {
+                let u = mesh.faces()[f].map(|v| normals[v as usize]);
+                match u.contains(&[0.0; 3]) {
+                    true => CorrectedMeasures::default(),
+                    false => CorrectedMeasures::from_triangle(triangle(f), u),
+                }
+            })
+            .collect();
+        let site = |v: u32| {
+            let corners = mesh.incidence().corners(v);
+            let (mut sum, mut spread, mut whole) = (CorrectedMeasures::default(), 0.0, 0.0);
+            for &c in corners {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                sum = sum.plus(&measures[f], 1.0 / 3.0);
+                let x = triangle(f).map(DVec3::from);
+                let (p, q) = (x[(k + 1) % 3] - x[k], x[(k + 2) % 3] - x[k]);
+                let area = 0.5 * p.cross(q).length();
+                let squares = p.length_squared() + q.length_squared() + (p + q).length_squared();
+                spread += area * squares / 12.0;
+                whole += area;
+            }
+            let position = DVec3::from(mesh.positions()[v as usize].map(|x| x / unit));
+            let spread = if whole > 0.0 { spread / whole } else { 0.0 };
+            (Site::new(position, smooth[v as usize], &sum, spread), whole / 3.0)
+        };
+        let found: Vec<(Site, f64)> =
+            (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(1024).map(site).collect();
+        let all: Vec<Site> = found.iter().map(|(site, _)| *site).collect();
+        let length = smoothed(mesh, mean_edges(mesh, &all));
+        let area = smoothed(mesh, found.iter().map(|(_, area)| *area).collect());
+        let area = area.iter().zip(&length).map(|(a, l)| a / (l * l)).collect();
+        Self { all, length, area, unit }
+    }
+}
+
+impl Site {
+    fn new(position: DVec3, normal: DVec3, sum: &CorrectedMeasures, spread: f64) -> Self {
+        let [axis, other] = tangent_frame(normal);
+        let form = |x: DVec3, y: DVec3| x.dot(sum.tensor.map(|row| DVec3::from(row).dot(y)).into());
+        let measure = [
+            0.5 * sum.mean,
+            sum.gaussian,
+            0.5 * (form(axis, axis) - form(other, other)),
+            0.5 * (form(axis, other) + form(other, axis)),
+        ];
+        let area = sum.area;
+        Self { position, normal, axis, area, measure, spread }
+    }
+}
+
+/// The largest power of two not above a positive number; 1 otherwise.
+fn power_of_two(x: f64) -> f64 {
+    if x.is_normal() && x > 0.0 { libm::ldexp(1.0, libm::ilogb(x)) } else { 1.0 }
+}
+
+/// The mean length of the edges at each vertex.
+fn mean_edges(mesh: &TriMesh, sites: &[Site]) -> Vec<f64> {
+    let topology = mesh.topology();
+    let mean = |v: usize| {
+        let neighbors = topology.neighbors(v as u32);
+        let distance = |&w: &u32| sites[v].position.distance(sites[w as usize].position);
+        neighbors.iter().map(distance).sum::<f64>() / (neighbors.len() as f64).max(1.0)
+    };
+    (0..sites.len()).into_par_iter().with_min_len(1024).map(mean).collect()
+}
+
+/// The values after [`ROUNDS`] rounds of averaging over each vertex and its neighbours.
+fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
+    let topology = mesh.topology();
+    for _ in 0..ROUNDS {
+        let mean = |v: usize| {
+            let neighbors = topology.neighbors(v as u32);
+            let sum: f64 = neighbors.iter().map(|&w| values[w as usize]).sum();
+            (values[v] + sum) / (1 + neighbors.len()) as f64
+        };
+        values = (0..values.len()).into_par_iter().with_min_len(1024).map(mean).collect();
+    }
+    values
+}
+
+fn smoothed_normals(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<DVec3> {
+    let topology = mesh.topology();
+    let mut smooth: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
+    for _ in 0..NORMAL_ROUNDS {
+        let mean = |v: usize| {
+            let neighbors = topology.neighbors(v as u32);
+            let sum: DVec3 = neighbors.iter().map(|&w| smooth[w as usize]).sum();
+            match normals[v] == [0.0; 3] {
+                true => DVec3::ZERO,
+                false => (smooth[v] + sum).try_normalize().unwrap_or(smooth[v]),
+            }
+        };
+        smooth = (0..smooth.len()).into_par_iter().with_min_len(1024).map(mean).collect();
+    }
+    smooth
+}
