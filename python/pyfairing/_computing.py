@@ -110,7 +110,7 @@ class Computing(Base):
     @documented
     def vertex_normals(
         self,
-        weight: Literal["area", "angle", "sphere", "uniform"] = "area",
+        weight: Literal["area", "angle", "sphere", "uniform"] = "angle",
         *,
         threads: int | None = None,
     ) -> Floats:

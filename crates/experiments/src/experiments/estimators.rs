@@ -44,7 +44,7 @@ fn section() -> Section {
     .sources(&["cazals2005", "cohensteiner2003", "lachaud2020", "rusinkiewicz2004", "panozzo2010", "sullivan2008"])
     .notation(&["h", "\\varepsilon"])
     .shows(&["torus-view", "ordinary-mean", "largest-mean"], &[])
-    .names(&[("largest-gaussian", "the largest error of K"), ("ordinary", "errors at ordinary sizes"), ("choice", "each estimator beside the best"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])
+    .names(&[("largest-gaussian", "the largest error of K"), ("ordinary", "errors at ordinary sizes"), ("choice", "each estimator beside the best"), ("normals", "weights of vertex normals"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])
 }
 
 impl Experiment for Estimators {
@@ -96,9 +96,9 @@ impl Experiment for Estimators {
         let mut figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
         let torus = EveryEstimator::on_torus(context, BASELINE)?;
         figures.push(torus.picture(!context.is_quick())?);
-        let [ordinary, choice] = ordinary::tables(context)?;
+        let [ordinary, choice, normals] = ordinary::tables(context)?;
         figures.push(ordinary::plot(&ordinary)?);
-        let tables = vec![errors, orders, times, ordinary, choice];
+        let tables = vec![errors, orders, times, ordinary, choice, normals];
         Ok(Outcome { tables, figures, views: vec![torus.view()], ..Outcome::default() })
     }
 

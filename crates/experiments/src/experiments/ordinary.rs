@@ -5,7 +5,9 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
+use fairing_operators::{NormalWeight, weighted_vertex_normals};
 use fairing_sparse::{larger, median, smaller};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::estimators::{Study, exact_values};
@@ -28,8 +30,13 @@ const NOISE: [f64; 3] = [0.0, 0.03, 0.12];
 /// One mesh of the table.
 type Case = (Sample, Layout, u32, f64);
 
-/// The errors of all estimators, and how each compares with the best on each mesh.
-pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 2]> {
+/// Root mean square angles of vertex normals to the exact ones, in the order of
+/// [`NormalWeight::ALL`].
+type Angles = [f64; NormalWeight::ALL.len()];
+
+/// The errors of all estimators, how each compares with the best on each mesh, and the same of the
+/// weights of vertex normals.
+pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
     let mut cases: Vec<Case> = vec![];
     for sample in SURFACES {
         for layout in [Layout::Regular, Layout::Jittered] {
@@ -38,16 +45,20 @@ pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 2]> {
             }
         }
     }
-    let found: Vec<Vec<Vec<Cell>>> =
+    let found: Vec<(Vec<Vec<Cell>>, Angles)> =
         cases.par_iter().with_max_len(1).map(|case| rows(context, *case)).collect::<Result<_>>()?;
+    let (rows, angles): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut errors = errors_table();
-    found.into_iter().flatten().for_each(|row| errors.push(row));
+    rows.into_iter().flatten().for_each(|row| errors.push(row));
     let choice = choice(&errors)?;
-    Ok([errors, choice])
+    Ok([errors, choice, normals(&cases, &angles)?])
 }
 
-/// A row for each estimator.
-fn rows(context: &Context<'_>, (sample, layout, level, noise): Case) -> Result<Vec<Vec<Cell>>> {
+/// A row for each estimator, and the angles of normals.
+fn rows(
+    context: &Context<'_>,
+    (sample, layout, level, noise): Case,
+) -> Result<(Vec<Vec<Cell>>, Angles)> {
     let seed = context.seed(&format!("ordinary {} {level} {noise}", sample.name()));
     let clean = sample.mesh(level, layout, seed);
     let exact = exact_values(sample, &clean)?;
@@ -86,7 +97,43 @@ fn rows(context: &Context<'_>, (sample, layout, level, noise): Case) -> Result<V
             within
         ]);
     }
-    Ok(rows)
+    let angles = NormalWeight::ALL.map(|weight| {
+        let normals = weighted_vertex_normals(&mesh, weight);
+        let inner = normals.iter().zip(&exact).filter_map(|(n, c)| Some((n, (*c)?.normal)));
+        let squares = inner.map(|(n, m)| DVec3::from(*n).angle_between(m.into()).powi(2));
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    });
+    Ok((rows, angles))
+}
+
+/// How the weights of vertex normals compare with the best on each mesh.
+fn normals(cases: &[Case], angles: &[Angles]) -> Result<Table> {
+    let mut table = Table::new(
+        "normals",
+        "Vertex normals on the same meshes: the root mean square angle to the exact normal for each weight of faces over the least of all weights, in the median over clean and over noisy meshes, and the largest.",
+        &[
+            ("weight", Unit::Label),
+            ("clean", Unit::One),
+            ("noisy", Unit::One),
+            ("largest", Unit::One),
+        ],
+    );
+    for name in ["clean", "noisy", "largest"] {
+        table = table.tolerance(name, Some(Tolerance { relative: 1e-3, absolute: 1e-6 }));
+    }
+    for (k, weight) in NormalWeight::ALL.into_iter().enumerate() {
+        let ratio = |a: &Angles| a[k] / a.iter().copied().fold(f64::INFINITY, smaller);
+        let over = |is_noisy: bool| {
+            let meshes = cases.iter().zip(angles).filter(|(case, _)| (case.3 > 0.0) == is_noisy);
+            let mut ratios: Vec<f64> = meshes.map(|(_, a)| ratio(a)).collect();
+            ratios.sort_by(f64::total_cmp);
+            median(&ratios).context("no meshes")
+        };
+        let largest = angles.iter().map(ratio).fold(0.0, larger);
+        table.push(row![weight.name(), over(false)?, over(true)?, largest]);
+    }
+    Ok(table)
 }
 
 fn errors_table() -> Table {
