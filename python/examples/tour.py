@@ -23,7 +23,7 @@ def main() -> None:
     S, M = mesh.laplacian(kind="cotangent", mass="barycentric")
     print(S.shape, M.sum())
 
-    c = mesh.curvature("jet3")
+    c = mesh.curvature()
     mean: npt.NDArray[np.float64] = c.mean
     print(c, mean[c.defined].mean())
 

@@ -3,7 +3,7 @@
 >>> import pyfairing as pf
 >>> mesh = pf.shapes.icosphere(3)                  # or pf.read("bunny.ply"), pf.Mesh(V, F)
 >>> S, M = mesh.laplacian(kind="cotangent")
->>> c = mesh.curvature("jet3")
+>>> c = mesh.curvature()
 >>> bool(c.defined.all())
 True
 

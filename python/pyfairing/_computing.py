@@ -110,7 +110,7 @@ class Computing(Base):
     @documented
     def vertex_normals(
         self,
-        weight: Literal["area", "angle", "sphere", "uniform"] = "area",
+        weight: Literal["area", "angle", "sphere", "uniform"] = "angle",
         *,
         threads: int | None = None,
     ) -> Floats:
@@ -139,7 +139,7 @@ class Computing(Base):
     @documented
     def curvature(
         self,
-        estimator: Estimator = "jet3",
+        estimator: Estimator = "adaptive",
         *,
         kind: Kind | None = None,
         threads: int | None = None,
@@ -151,7 +151,7 @@ class Computing(Base):
         Parameters
         ----------
         estimator : str
-            The estimator; `jet3` suits most meshes:
+            The estimator; `adaptive` finds its own scale:
 
             {estimators}
         {parameters_of_estimators}
@@ -163,8 +163,8 @@ class Computing(Base):
         Returns
         -------
         Curvature
-            `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `defined`,
-            `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
+            `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `mean_error`,
+            `gaussian_error`, `scale`, `defined`, `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
             are counter-clockwise seen from outside. Faces that turn against the rest of their
             part are flipped for the computation, with a `FairingWarning`; on one-sided parts, such as
             a Möbius band, values refer to the side on which H is not negative.
@@ -184,7 +184,8 @@ class Computing(Base):
         if found["defined"].size and not found["defined"].any():
             warn(f"{estimator} is undefined at every vertex: the values are 0 and mean nothing")
         first, second = found.pop("directions") or (None, None)
-        return Curvature(estimator=estimator, direction1=first, direction2=second, **found)
+        errors = dict(zip(("mean_error", "gaussian_error", "scale"), found.pop("accuracy") or (None,) * 3))
+        return Curvature(estimator=estimator, direction1=first, direction2=second, **errors, **found)
 
     @documented
     def spectrum(

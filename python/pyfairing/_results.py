@@ -64,6 +64,10 @@ class Curvature:
         Principal curvatures, kappa1 >= kappa2, in 1 / mesh units.
     direction1, direction2 : ndarray, shape (n, 3), or None
         Principal unit directions; None if the estimator provides none.
+    mean_error, gaussian_error : ndarray, shape (n,), or None
+        Standard errors of H and K; None if the estimator knows none.
+    scale : ndarray, shape (n,), or None
+        The radius that mostly decided H, in mesh units.
     defined : ndarray of bool, shape (n,)
         Mask of the vertices with a value.
     boundary : ndarray of bool, shape (n,)
@@ -79,6 +83,9 @@ class Curvature:
     kappa2: Floats
     direction1: Floats | None
     direction2: Floats | None
+    mean_error: Floats | None
+    gaussian_error: Floats | None
+    scale: Floats | None
     defined: Bools
     boundary: Bools
     too_thin: int | None
@@ -111,7 +118,8 @@ class Curvature:
         names["boundary"] = self.boundary.astype(np.float64)
         if self.direction1 is not None and self.direction2 is not None:
             names |= {"direction1": self.direction1, "direction2": self.direction2}
-        return names
+        errors = {"mean_error": self.mean_error, "gaussian_error": self.gaussian_error, "scale": self.scale}
+        return names | {name: values for name, values in errors.items() if values is not None}
 
     def __len__(self) -> int:
         return len(self.mean)

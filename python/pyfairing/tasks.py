@@ -30,7 +30,7 @@ def diagnosis(mesh: Mesh) -> dict[str, Any]:
     return info
 
 
-def curvature(mesh: Mesh, estimator: Estimator = "jet3") -> dict[str, Any]:
+def curvature(mesh: Mesh, estimator: Estimator = "adaptive") -> dict[str, Any]:
     """The 5th, 50th and 95th percentile of interior curvature, its area-weighted mean, and the number of
     vertices without a value."""
     found = mesh.curvature(estimator)

@@ -138,6 +138,10 @@ fn curvature<'py>(
         None => None,
     };
     dict.set_item("directions", directions)?;
+    let accuracy = field.accuracy.map(|found| {
+        [found.mean_error, found.gaussian_error, found.scale].map(|values| column(py, values))
+    });
+    dict.set_item("accuracy", accuracy)?;
     Ok(dict)
 }
 

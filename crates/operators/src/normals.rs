@@ -53,11 +53,11 @@ pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The unit normal of each vertex, weighted by area; the zero vector where
+/// The unit normal of each vertex, weighted by the angles of faces; the zero vector where
 /// none is defined (isolated vertices, areas that cancel).
 #[doc(alias = "per_vertex_normals")]
 pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
-    weighted_vertex_normals(mesh, NormalWeight::Area)
+    weighted_vertex_normals(mesh, NormalWeight::Angle)
 }
 
 /// The unit normal of each vertex: the direction of the weighted sum of the
@@ -141,7 +141,8 @@ mod tests {
         let angle = weighted_vertex_normals(&mesh, NormalWeight::Angle);
         let d = -(1.0f64 / 3.0).sqrt();
         assert!(angle[0].iter().all(|x| (x - d).abs() < 1e-15));
-        let area = vertex_normals(&mesh);
+        assert_eq!(angle, vertex_normals(&mesh));
+        let area = weighted_vertex_normals(&mesh, NormalWeight::Area);
         assert!((area[0][2] + (2.0f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(area, weighted_vertex_normals(&mesh, NormalWeight::Uniform));
         assert_eq!(area[5], [0.0; 3]);

@@ -18,7 +18,8 @@ use crate::request::Request;
 use crate::tasks::{BoundaryCondition, DistanceOptions, SpectrumTask};
 
 /// Curvature of `mesh` by the estimator `method`: its fields mean, gaussian, kappa1, kappa2,
-/// defined and boundary, and the principal directions if the estimator has them.
+/// defined and boundary, and the principal directions and the standard errors mean_error and
+/// gaussian_error with their scale if the estimator has them.
 pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let name = request.text_or("method", Estimator::RECOMMENDED.name());
     let estimator = Estimator::with(name, &request.values()?)?;
@@ -42,7 +43,7 @@ pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<An
 /// Sets the fields of a curvature. Returns the names of those that replace fields of the file.
 fn keep_curvature(held: &mut Held, field: CurvatureField) -> Vec<&'static str> {
     let flag = |flag: bool| f64::from(u8::from(flag));
-    let scalars = [
+    let mut scalars = vec![
         ("defined", field.status.iter().map(|s| flag(s.is_defined())).collect()),
         ("boundary", field.boundary.iter().map(|&b| flag(b)).collect()),
         ("mean", field.mean),
@@ -50,6 +51,11 @@ fn keep_curvature(held: &mut Held, field: CurvatureField) -> Vec<&'static str> {
         ("kappa1", field.kappa1),
         ("kappa2", field.kappa2),
     ];
+    if let Some(found) = field.accuracy {
+        scalars.push(("mean_error", found.mean_error));
+        scalars.push(("gaussian_error", found.gaussian_error));
+        scalars.push(("scale", found.scale));
+    }
     let mut replaced = vec![];
     replaced.extend(scalars.into_iter().filter_map(|(name, x)| held.set(name, x).then_some(name)));
     if let Some([first, second]) = field.directions {

@@ -195,7 +195,8 @@ fn curvature_of_a_sphere_is_written_as_vertex_properties() {
     let folder = tempfile::tempdir().unwrap();
     io::write(folder.path().join("sphere.ply"), &shapes::icosphere(3)).unwrap();
     // The error of each estimator is the square of its reach: one ring of h = 0.15, or three.
-    for (name, tolerance) in [("cotangent", 0.03), ("corrected", 0.03), ("jet3", 0.2)] {
+    let estimators = [("cotangent", 0.03), ("corrected", 0.03), ("jet3", 0.2), ("adaptive", 0.001)];
+    for (name, tolerance) in estimators {
         let line = format!("curvature sphere.ply -o {name}.ply --estimator {name} --json");
         let summary: Value = serde_json::from_str(&run(folder.path(), &line)).unwrap();
         assert_eq!((&summary["vertices"], &summary["undefined"]), (&642.into(), &0.into()));
@@ -206,6 +207,10 @@ fn curvature_of_a_sphere_is_written_as_vertex_properties() {
         }
         let directions = fields.vector("direction1").is_some();
         assert_eq!(directions, name != "cotangent", "{name}");
+        // Only one knows how far it can be trusted.
+        let trust = &summary["accuracy"]["mean_error"]["greatest"];
+        assert_eq!(trust.as_f64().is_some_and(|e| e < tolerance), name == "adaptive", "{name}");
+        assert_eq!(fields.scalar("mean_error").is_some(), name == "adaptive", "{name}");
     }
     let list = run(folder.path(), "curvature --list");
     assert!(list.lines().count() >= 10 && list.contains("normal-cycle"));
@@ -311,7 +316,7 @@ fn options_that_would_be_ignored_are_errors() {
             "curvature torus.ply --estimator cotangent --operator robust --area mixed",
             ["--operator robust", "--area"],
         ),
-        ("curvature torus.ply --rings 2 --radius 1", ["--rings", "--radius"]),
+        ("curvature torus.ply --estimator jet3 --rings 2 --radius 1", ["--rings", "--radius"]),
         ("curvature torus.ply --force", ["--force", "--output"]),
         ("spectrum torus.ply --force", ["--force", "--output"]),
         ("noise torus.ply -o x.ply --sigma 0.1 --fraction 0.5", ["--fraction", "normal"]),
@@ -372,14 +377,17 @@ fn parameters_of_denoisers_and_estimators_are_flags() {
     assert!(said.contains("growth is 0.5"), "{said}");
 
     let mean = |flags: &str| run(folder.path(), &format!("curvature noisy.ply --json {flags}"));
-    assert_eq!(mean("--rings 3"), mean(""));
-    assert_ne!(mean("--rings 5"), mean(""));
-    assert_ne!(mean("--gaussian 1"), mean(""));
+    assert_eq!(mean("--noise independent"), mean(""));
+    assert_ne!(mean("--noise correlated"), mean(""));
+    let jet = |flags: &str| mean(&format!("--estimator jet3 {flags}"));
+    assert_eq!(jet("--rings 3"), jet(""));
+    assert_ne!(jet("--rings 5"), jet(""));
+    assert_ne!(jet("--gaussian 1"), jet(""));
     let cotangent = |flags: &str| mean(&format!("--estimator cotangent {flags}"));
     assert_ne!(cotangent("--area barycentric"), cotangent(""));
     let list = run(folder.path(), "curvature --list");
     assert!(list.contains("jet3: ") && list.contains("--rings 3"), "{list}");
-    let said = refuse(folder.path(), "curvature noisy.ply --rings 17", 2);
+    let said = refuse(folder.path(), "curvature noisy.ply --estimator jet3 --rings 17", 2);
     assert!(said.contains("rings is 17, but must be between 1 and 16"), "{said}");
 }
 

@@ -233,7 +233,7 @@ fn auto_is_the_same_in_every_verb() {
     let line = "smooth flat.ply -o no.ply --method implicit --weights cotangent --area mixed";
     assert!(refuse(folder.path(), line, 1).contains("face 0 is degenerate"));
     let error = refuse(folder.path(), "curvature round.ply --operator robust", 2);
-    assert!(error.contains("jet3 has no --operator"), "{error}");
+    assert!(error.contains("adaptive has no --operator"), "{error}");
 }
 
 /// The mass is stored with the modes; the robust operator has only one.

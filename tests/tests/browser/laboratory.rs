@@ -284,7 +284,7 @@ fn programs(chrome: &mut Chrome, report: &Path) -> Result<()> {
     let found = chrome.run(STEPS)?;
     ensure!(found[1] == "Copied." && found[2] == true, "{found}");
     let listed = json!([
-        "Curvature: jet3",
+        "Curvature: adaptive",
         "Distance: sources 0,5-6",
         "Modes: k 12",
         "Compare: feature-angle 40"

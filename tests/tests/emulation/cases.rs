@@ -52,7 +52,8 @@ const DENOISERS: [&str; 8] = [
     "total-generalised-variation",
 ];
 const FLOWS: [&str; 5] = ["taubin", "hc", "scale-dependent", "windowed-sinc", "low-pass"];
-const ESTIMATORS: [&str; 8] = [
+const ESTIMATORS: [&str; 9] = [
+    "adaptive",
     "cotangent",
     "steiner",
     "normal-cycle",

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use fairing_mesh::{BuildError, TriMesh};
-use fairing_operators::vertex_normals;
+use fairing_operators::{NormalWeight, weighted_vertex_normals};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -36,12 +36,15 @@ pub fn detailed(mesh: &TriMesh, seed: u64) -> Result<TriMesh, BuildError> {
             (Field::new(&mut random, length), profile, sign * height)
         })
         .collect();
-    let moved = mesh.positions().iter().zip(vertex_normals(mesh)).map(|(&p, n)| {
-        let p = DVec3::from(p);
-        let share = (2.0 * (part.at(p) - threshold)).clamp(0.0, 1.0);
-        let height: f64 = layers.iter().map(|(field, f, height)| height * f.of(field.at(p))).sum();
-        (p + share * height * DVec3::from(n)).to_array()
-    });
+    let moved = mesh.positions().iter().zip(weighted_vertex_normals(mesh, NormalWeight::Area)).map(
+        |(&p, n)| {
+            let p = DVec3::from(p);
+            let share = (2.0 * (part.at(p) - threshold)).clamp(0.0, 1.0);
+            let height: f64 =
+                layers.iter().map(|(field, f, height)| height * f.of(field.at(p))).sum();
+            (p + share * height * DVec3::from(n)).to_array()
+        },
+    );
     mesh.with_positions(moved.collect())
 }
 

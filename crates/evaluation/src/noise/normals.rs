@@ -1,7 +1,7 @@
 //! Displacements along the vertex normals.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::vertex_normals;
+use fairing_operators::{NormalWeight, weighted_vertex_normals};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 
@@ -11,7 +11,7 @@ use crate::normal::standard_normal;
 
 /// The displacements for σ = 1 of a noise along the normals.
 pub(super) fn along_normals(mesh: &TriMesh, kind: NoiseKind, rng: &mut ChaCha8Rng) -> Vec<DVec3> {
-    let normals = vertex_normals(mesh);
+    let normals = weighted_vertex_normals(mesh, NormalWeight::Area);
     if let NoiseKind::Fused { length } = kind {
         let heights = waves(mesh, length, rng);
         return scaled(normals.iter().zip(heights).map(|(&n, g)| g * DVec3::from(n)).collect());

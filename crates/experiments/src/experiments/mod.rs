@@ -23,6 +23,7 @@ mod gap;
 mod grid;
 mod mode_sums;
 mod models;
+mod ordinary;
 mod over_lambda;
 mod refinement;
 mod restoring;

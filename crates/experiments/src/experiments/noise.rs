@@ -343,7 +343,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 /// The estimators of the plot.
-const PLOTTED: [&str; 3] = ["cotangent", "corrected", "jet3"];
+const PLOTTED: [&str; 3] = ["cotangent", "corrected", "adaptive"];
 
 /// The changes of √|K| over those of H that the plot shows.
 fn finest_rows(changes: &Table) -> Result<Vec<f64>> {

@@ -43,7 +43,7 @@ fn section() -> Section {
         "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
                 formulas for everything, and the original report got one wrong.",
     )
-    .commands(&["fairing curvature ellipsoid.ply -o curved.ply --estimator jet3  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
+    .commands(&["fairing curvature ellipsoid.ply -o curved.ply  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
     .edge_lengths_of("each mesh")
     .sources(&["docarmo1976", "goldman2005"])
     .notation(&["d", "\\kappa", "n", "a", "b", "c", "u", "v", "E", "F", "G", "e", "f", "g", "\\theta"])

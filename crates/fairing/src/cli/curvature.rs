@@ -6,7 +6,9 @@ use std::path::Path;
 use clap::Args;
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
-use fairing::operators::curvature::{CurvatureField, Estimator, VertexStatus, laplacian_curvature};
+use fairing::operators::curvature::{
+    Accuracy, CurvatureField, Estimator, VertexStatus, laplacian_curvature,
+};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
 use fairing::parameters::Algorithm;
 use fairing::sparse::median;
@@ -24,13 +26,15 @@ const EXAMPLES: &str = "\
 Examples:
   fairing curvature --list
   fairing curvature bunny.ply -o curved.ply
+  fairing curvature scan.ply -o curved.ply --noise correlated
   fairing curvature bunny.ply -o curved.ply --estimator corrected
   fairing render curved.ply -o mean.png --field mean";
 
 /// Estimate the curvature at each vertex
 ///
 /// Prints a summary; with --output, writes the vertex properties mean, gaussian, kappa1 >= kappa2
-/// and, if the estimator provides them, the principal unit directions direction1 and direction2.
+/// and, if the estimator provides them, the principal unit directions direction1 and direction2, and
+/// the standard errors mean_error and gaussian_error with the radius scale that decided.
 /// The property defined is 0 at vertices without a value (the values there are 0 and meaningless);
 /// boundary is 1 at boundary vertices, whose values are one-sided. PLY and VTP files hold these
 /// properties. Units are 1/length of the file, for gaussian 1/length². Curvature
@@ -80,6 +84,7 @@ impl Curvature {
             "interior.mean.median",
             "interior.mean.greatest",
             "interior.gaussian.median",
+            "accuracy.mean_error.median",
         ];
         self.inputs.each(context, self.summary, &columns, |context, input| {
             self.one(context, input, &estimator)
@@ -113,14 +118,16 @@ impl Curvature {
                 "undefined_because": reasons,
                 "too_thin_face": field.too_thin,
                 "boundary": field.boundary.iter().filter(|&&b| b).count(),
-                "interior": summary(&field),
+                "interior": summary(&field, &columns(&field)),
+                "accuracy": field.accuracy.as_ref().map(|found| summary(&field, &trust(found))),
             });
             surface.add_to(&mut summary);
             return Ok(summary);
         }
         let mut table = Table::new();
         table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
-        for (name, values) in columns(&field) {
+        let trust = field.accuracy.as_ref().map(trust);
+        for (name, values) in columns(&field).into_iter().chain(trust.into_iter().flatten()) {
             let spread = spread(&field, values).map(|s| s.map(number));
             let [least, median, greatest] =
                 spread.unwrap_or_else(|| ["-", "-", "-"].map(str::to_owned));
@@ -205,6 +212,15 @@ fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {
     ]
 }
 
+/// The standard errors and the radius that decided.
+fn trust(found: &Accuracy) -> [(&'static str, &[f64]); 3] {
+    [
+        ("mean_error", &found.mean_error),
+        ("gaussian_error", &found.gaussian_error),
+        ("scale", &found.scale),
+    ]
+}
+
 /// Minimum, median and maximum over the interior vertices.
 fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     let interior = (0..field.len() as u32).filter(|&v| field.is_interior(v));
@@ -213,8 +229,8 @@ fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     Some([*sorted.first()?, median(&sorted)?, *sorted.last()?])
 }
 
-fn summary(field: &CurvatureField) -> Value {
-    let entries = columns(field).into_iter().map(|(name, values)| {
+fn summary(field: &CurvatureField, columns: &[(&str, &[f64])]) -> Value {
+    let entries = columns.iter().map(|&(name, values)| {
         let spread = spread(field, values)
             .map(|[least, median, greatest]| json!({ "least": least, "median": median, "greatest": greatest }));
         (name.to_owned(), json!(spread))
@@ -233,6 +249,8 @@ fn with_curvature(
     };
     let mut scalars: Vec<(&str, Vec<f64>)> =
         columns(field).map(|(name, values)| (name, surface.spread(values.to_vec()))).into();
+    let trust = field.accuracy.as_ref().map(trust).into_iter().flatten();
+    scalars.extend(trust.map(|(name, values)| (name, surface.spread(values.to_vec()))));
     scalars.push(("defined", flags(&mut field.status.iter().map(|s| s.is_defined()))));
     scalars.push(("boundary", flags(&mut field.boundary.iter().copied())));
     fields.scalars.retain(|(name, _)| scalars.iter().all(|(n, _)| n != name));

@@ -9,7 +9,7 @@ use super::neighborhood::{Explorer, Neighborhood};
 use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
-use crate::normals::vertex_normals;
+use crate::normals::{NormalWeight, weighted_vertex_normals};
 use crate::surface::{ChartNormal, FundamentalForms, SurfaceJet};
 use crate::symmetric::Symmetric2;
 use crate::tangent::tangent_frame;
@@ -175,7 +175,7 @@ where
 {
     let reach = neighborhood.reach(mesh)?;
     let topology: &Topology = mesh.topology();
-    let normals = vertex_normals(mesh);
+    let normals = weighted_vertex_normals(mesh, NormalWeight::Area);
     let at_vertex = |(explorer, points): &mut (Explorer, Vec<[f64; 3]>), v: u32| {
         if topology.neighbors(v).is_empty() {
             return Err(Undefined::Isolated);

@@ -227,7 +227,7 @@ class Laboratory {
       if (step.computed.has(name)) fields.set(name, fields.get(name).map((x, v) => (isDefined(x, v) ? x : NaN)));
     };
     const defined = fields.get('defined');
-    for (const name of ['mean', 'gaussian', 'kappa1', 'kappa2']) replace(name, (x, v) => defined[v] !== 0);
+    for (const name of CURVATURE.slice(0, 7)) replace(name, (x, v) => defined[v] !== 0);
     // Components without a source have the distance −1.
     replace('distance', (x) => x !== -1);
     step.losses = await this.losses(step);

@@ -142,6 +142,10 @@ const FIELDS_IN_RUST = {
     'let fields = fields.with_scalar("defined", defined);',
     'let fields = fields.with_scalar("mean", found.mean).with_scalar("gaussian", found.gaussian);',
     'let fields = fields.with_scalar("kappa1", found.kappa1).with_scalar("kappa2", found.kappa2);',
+    'let fields = match found.accuracy {',
+    '    Some(a) => fields.with_scalar("mean_error", a.mean_error).with_scalar("gaussian_error", a.gaussian_error).with_scalar("scale", a.scale),',
+    '    None => fields,',
+    '};',
   ],
   distance: ({values: {sources, operator = 'non-negative'}}) => [
     'let mass = fairing::operators::MassKind::Barycentric;',

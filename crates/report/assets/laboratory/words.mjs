@@ -1,7 +1,8 @@
 import {readable} from '../../../figure/viewer/dom.mjs';
 
 /** Fields that a curvature sets, and that fit no other positions. */
-export const CURVATURE = ['mean', 'gaussian', 'kappa1', 'kappa2', 'defined', 'boundary', 'direction1', 'direction2'];
+export const CURVATURE = ['mean', 'gaussian', 'kappa1', 'kappa2', 'mean_error', 'gaussian_error', 'scale',
+  'defined', 'boundary', 'direction1', 'direction2'];
 
 /** Names and units of fields. */
 const LABELS = {
@@ -9,6 +10,9 @@ const LABELS = {
   gaussian: ['Gaussian curvature', '1/file unit²'],
   kappa1: ['principal curvature κ₁', '1/file unit'],
   kappa2: ['principal curvature κ₂', '1/file unit'],
+  mean_error: ['standard error of H', '1/file unit'],
+  gaussian_error: ['standard error of K', '1/file unit²'],
+  scale: ['radius that decided H', 'file units'],
   distance: ['geodesic distance', 'file units'],
   source: ['vertex before the repair', ''],
 };
