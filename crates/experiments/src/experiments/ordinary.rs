@@ -84,7 +84,7 @@ fn rows(
             };
             100.0 * inner().filter(is_within).count() as f64 / inner().count() as f64
         });
-        rows.push(row![
+        let row = row![
             sample.name(),
             layout.name(),
             mesh.vertex_count(),
@@ -95,7 +95,8 @@ fn rows(
             h / best[0],
             k / best[1],
             within
-        ]);
+        ];
+        rows.push(row.into());
     }
     let angles = NormalWeight::ALL.map(|weight| {
         let normals = weighted_vertex_normals(&mesh, weight);
