@@ -22,6 +22,17 @@ enum Set {
     Judging,
 }
 
+impl Set {
+    fn named(given: &[String]) -> Self {
+        let named = |name: &str| given.iter().any(|a| a == name);
+        match () {
+            () if named("tuning") => Self::Tuning,
+            () if named("checking") => Self::Checking,
+            () => Self::Judging,
+        }
+    }
+}
+
 /// Uniform numbers by the generator splitmix64.
 struct Random(u64);
 
@@ -244,15 +255,35 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Seconds for a sphere of 164 thousand vertices, beside `corrected-ball`.
+/// Seconds for a sphere of 164 thousand vertices without and with noise, beside others.
 fn time() {
     let sphere = shapes::icosphere(7);
+    let surface = Surface { name: "sphere".into(), truth: vec![], mesh: sphere };
+    for level in [0.0, 0.1] {
+        println!("noise {level}");
+        time_on(&surface.noisy(level, 1));
+    }
+}
+
+fn time_on(sphere: &TriMesh) {
     sphere.topology();
     for name in ["corrected-ball", "jet3", "adaptive"] {
         let start = std::time::Instant::now();
         let estimator: Estimator = name.parse().unwrap();
-        estimator.estimate(&sphere).unwrap();
+        estimator.estimate(sphere).unwrap();
         println!("{name}: {:.2} s", start.elapsed().as_secs_f64());
+    }
+}
+
+/// Medians and worst ratios.
+fn summarize(mut ratios: [Vec<f64>; 4], mut covered: [Vec<f64>; 4]) {
+    for (k, name) in ["clean H", "clean K", "noisy H", "noisy K"].into_iter().enumerate() {
+        let worst = ratios[k].iter().copied().fold(0.0, f64::max);
+        println!(
+            "{name}: median {:.3}, worst {worst:.2}, covered {:.2}",
+            median(&mut ratios[k]),
+            median(&mut covered[k])
+        );
     }
 }
 
@@ -261,12 +292,7 @@ fn main() {
         return time();
     }
     let given: Vec<String> = std::env::args().skip(1).collect();
-    let named = |name: &str| given.iter().any(|a| a == name);
-    let set = match () {
-        () if named("tuning") => Set::Tuning,
-        () if named("checking") => Set::Checking,
-        () => Set::Judging,
-    };
+    let set = Set::named(&given);
     let verbose = given.iter().any(|a| a == "all");
     let adaptive: Estimator = "adaptive".parse().unwrap();
     let mut ratios = [vec![], vec![], vec![], vec![]];
@@ -319,13 +345,6 @@ fn main() {
             }
         }
     }
-    for (k, name) in ["clean H", "clean K", "noisy H", "noisy K"].into_iter().enumerate() {
-        let worst = ratios[k].iter().copied().fold(0.0, f64::max);
-        println!(
-            "{name}: median {:.3}, worst {worst:.2}, covered {:.2}",
-            median(&mut ratios[k]),
-            median(&mut covered[k])
-        );
-    }
+    summarize(ratios, covered);
     println!("misses: clean {}, noisy {}", misses[0], misses[1]);
 }

@@ -117,7 +117,7 @@ pub fn adaptive_curvature(
     options: AdaptiveOptions,
 ) -> Result<CurvatureField, OperatorError> {
     options.check()?;
-    Ok(on_oriented(mesh, |mesh| Ok::<_, OperatorError>(estimate(mesh, options)))?)
+    on_oriented(mesh, |mesh| Ok(estimate(mesh, options)))
 }
 
 fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
