@@ -54,7 +54,7 @@ pub struct Accuracy {
     /// The standard deviation of the noise along the normal, in mesh units: one number for each
     /// connected component.
     pub noise: Vec<f64>,
-    /// The unit normals of the fits.
+    /// The unit normals of the fits, smoother than those of one ring.
     pub normals: Vec<[f64; 3]>,
 }
 

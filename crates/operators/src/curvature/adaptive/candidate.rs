@@ -89,7 +89,7 @@ pub(super) struct Candidates {
     valid: u16,
     /// The variance of each candidate over that on a regular plane, as at borders; at least 1.
     pub(super) amplified: [f32; COUNT],
-    /// A bit for each candidate that may judge others.
+    /// A bit for each jet whose neighbourhood turns so little that it may judge others.
     steady: u16,
     /// The components along the tangents of the normals of the jets.
     pub(super) lean: [[f32; 2]; jets::RADII.len()],
@@ -183,8 +183,8 @@ impl Candidates {
         }
     }
 
-    /// Returns true where the surface turns by more than about 100° within 2.75 edges, so that
-    /// nothing but one ring describes it.
+    /// Returns true where the surface turns so far within 2.75 edges that one ring describes it
+    /// best.
     pub(super) fn is_coarse(&self) -> bool {
         !self.is_valid(2)
     }

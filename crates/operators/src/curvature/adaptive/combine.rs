@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::super::field::{Accuracy, AtVertex, CurvatureField};
 use super::super::status::Undefined;
-use super::candidate::{COUNT, Candidates, Extent, Level, QUANTITIES, Quantity, RADII};
+use super::candidate::{COUNT, Candidates, Extent, JETS, Level, QUANTITIES, Quantity, RADII};
 use super::noise::Noise;
 use super::regression::density;
 use super::risk::SquaredBias;
@@ -105,8 +105,26 @@ fn of_candidates(
         at: site.at([h, k, p, q], length),
         errors: [chosen * of_mean.1 / length, chosen * of_gaussian.1 / (length * length)],
         scale: scale * length,
-        normal: site.normal,
+        normal: normal(site, all, &of_mean.0),
     })
+}
+
+/// The normal of the jets, with their weights among each other; that of the frame without any.
+fn normal(site: &Site, all: &Candidates, weights: &[f64; COUNT]) -> DVec3 {
+    let (mut lean, mut sum) = ([0.0; 2], 0.0);
+    for (k, of_jet) in JETS.zip(&all.lean) {
+        sum += weights[k];
+        for (lean, x) in lean.iter_mut().zip(of_jet) {
+            *lean += weights[k] * f64::from(*x);
+        }
+    }
+    if sum < 1e-100 {
+        return site.normal;
+    }
+    let [x, y] = lean.map(|x| x / sum);
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let turned = x * site.axis + y * site.normal.cross(site.axis) + z * site.normal;
+    turned.try_normalize().unwrap_or(site.normal)
 }
 
 impl Combined {

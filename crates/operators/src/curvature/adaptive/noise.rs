@@ -13,7 +13,8 @@ const SAMPLES: usize = 8192;
 /// The median of the absolute value of a normal variable of variance 1.
 const MEDIAN: f64 = 0.6745;
 
-/// The noise of heights is at most this times that of measures.
+/// The noise of heights is at most this times that of measures; where most jets are not valid, at
+/// most that of measures.
 const DIFFERENCE: f64 = 1.5;
 
 /// The largest ratio of the noise of measures to that of heights.
@@ -41,9 +42,12 @@ impl Noise {
         let deviation = |of: fn(&Sample) -> Option<f64>| {
             median(samples.iter().filter_map(of).collect()).map(|x| x / MEDIAN)
         };
+        // On coarse meshes few jets are valid, where the surface is flattest.
+        let known = samples.iter().filter(|s| s.residual.is_some()).count();
+        let factor = if 2 * known < samples.len() { 1.0 } else { DIFFERENCE };
         let [heights, measures] = match [deviation(|s| s.residual), deviation(|s| s.difference)] {
             [Some(heights), Some(measures)] => {
-                let heights = heights.min(DIFFERENCE * measures);
+                let heights = heights.min(factor * measures);
                 [heights, measures.clamp(heights, MAX_RATIO * heights)]
             }
             [heights, measures] => [heights.or(measures).unwrap_or(0.0); 2],
