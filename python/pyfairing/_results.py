@@ -74,6 +74,9 @@ class Curvature:
         Mask of the boundary vertices, where values are one-sided.
     too_thin : int or None
         The first face too thin for cotangents, if it led to the robust operator.
+    narrowed : int
+        Number of vertices where a fit took fewer rings or a lower degree, because its neighbourhood
+        turns by more than 60 degrees.
     """
 
     estimator: str
@@ -89,6 +92,7 @@ class Curvature:
     defined: Bools
     boundary: Bools
     too_thin: int | None
+    narrowed: int
 
     @property
     def interior(self) -> Bools:

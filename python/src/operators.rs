@@ -133,6 +133,7 @@ fn curvature<'py>(
     dict.set_item("defined", column(py, defined))?;
     dict.set_item("boundary", column(py, field.boundary))?;
     dict.set_item("too_thin", field.too_thin)?;
+    dict.set_item("narrowed", field.narrowed)?;
     let directions: Option<Directions<'_>> = match field.directions {
         Some([first, second]) => Some((rows(py, first)?, rows(py, second)?)),
         None => None,

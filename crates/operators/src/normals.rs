@@ -120,6 +120,28 @@ fn face_normal(mesh: &TriMesh, f: usize) -> DVec3 {
     DVec3::from(mesh.area_vector(f)).normalize_or_zero()
 }
 
+/// Rounds of averaging over the neighbours that make a normal one of the surface without its
+/// noise: the measure of how far a neighbourhood turns.
+const NORMAL_ROUNDS: usize = 2;
+
+/// Unit normals averaged twice over each vertex and its neighbours; zero where `normals` are.
+pub(crate) fn smoothed_normals(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<DVec3> {
+    let topology = mesh.topology();
+    let mut smooth: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
+    for _ in 0..NORMAL_ROUNDS {
+        let mean = |v: usize| {
+            let neighbors = topology.neighbors(v as u32);
+            let sum: DVec3 = neighbors.iter().map(|&w| smooth[w as usize]).sum();
+            match normals[v] == [0.0; 3] {
+                true => DVec3::ZERO,
+                false => (smooth[v] + sum).try_normalize().unwrap_or(smooth[v]),
+            }
+        };
+        smooth = (0..smooth.len()).into_par_iter().with_min_len(1024).map(mean).collect();
+    }
+    smooth
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

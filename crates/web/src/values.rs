@@ -31,12 +31,13 @@ pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<An
             *reasons.entry(reason.to_string()).or_default() += 1;
         }
     }
-    let too_thin = field.too_thin;
+    let (too_thin, narrowed) = (field.too_thin, field.narrowed);
     let replaced = keep_curvature(held, field);
     let mut value = held.listed(&replaced);
     value["method"] = json!(estimator.name());
     value["undefined_because"] = json!(reasons);
     value["too_thin_face"] = json!(too_thin);
+    value["narrowed"] = json!(narrowed);
     Ok(value.into())
 }
 

@@ -204,12 +204,13 @@ fn undefined_values_are_grey_and_said() {
     let text = std::fs::read_to_string(place.join("torus.obj")).unwrap();
     let lone = "\nv 20 0 0\nv 21 0 0\nv 20 1 0\nv 30 0 0\nf 289 290 291\nf ";
     std::fs::write(place.join("with.obj"), text.replacen("\nf ", lone, 1)).unwrap();
-    let summary = run(place, "--quiet curvature with.obj -o curved.ply --json");
+    let line = "--quiet curvature with.obj -o curved.ply --estimator jet3 --json";
+    let summary = run(place, line);
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["undefined"], 4);
     let reasons = summary["undefined_because"].as_object().unwrap();
     assert_eq!(reasons.values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 4);
-    run(place, "--quiet curvature torus.ply -o plain.ply");
+    run(place, "--quiet curvature torus.ply -o plain.ply --estimator jet3");
     let drawn = |file: &str, field: &str| {
         fairing(place, &format!("render {file} -o a.png --force --size 40x30 --field {field}"))
     };

@@ -118,6 +118,8 @@ all_shared!(
     fairing::operators::PolygonLaplacian,
     fairing::operators::Reason,
     fairing::operators::Restricted<'static>,
+    fairing::operators::curvature::Accuracy,
+    fairing::operators::curvature::AdaptiveOptions,
     fairing::operators::curvature::CorrectedMeasures,
     fairing::operators::curvature::CorrectedOptions,
     fairing::operators::curvature::CotangentOptions,

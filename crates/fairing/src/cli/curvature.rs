@@ -117,6 +117,7 @@ impl Curvature {
                 "undefined": undefined,
                 "undefined_because": reasons,
                 "too_thin_face": field.too_thin,
+                "narrowed": field.narrowed,
                 "boundary": field.boundary.iter().filter(|&&b| b).count(),
                 "interior": summary(&field, &columns(&field)),
                 "accuracy": field.accuracy.as_ref().map(|found| summary(&field, &trust(found))),
@@ -134,6 +135,14 @@ impl Curvature {
             table.row([name.to_owned(), least, median, greatest]);
         }
         context.print(table)?;
+        if field.narrowed > 0 {
+            context.note(format_args!(
+                "fewer rings or a lower degree at {} of {} vertices, where the neighbourhood turns \
+                 by more than 60°",
+                field.narrowed,
+                field.len()
+            ));
+        }
         if undefined > 0 {
             let reasons: Vec<String> =
                 reasons.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();

@@ -35,6 +35,9 @@ pub struct CurvatureField {
     ///
     /// [`cotangent_curvature`]: super::cotangent_curvature
     pub too_thin: Option<u32>,
+    /// The vertices whose neighbourhood turns by more than 60°, so that a fit took fewer rings or a
+    /// lower degree there; zero for estimators that fit no polynomial.
+    pub narrowed: usize,
     /// Standard errors and scales, of the estimator that knows them ([`adaptive_curvature`]).
     ///
     /// [`adaptive_curvature`]: super::adaptive_curvature
@@ -207,6 +210,7 @@ impl CurvatureField {
             status: found.iter().map(|(_, status, _)| *status).collect(),
             boundary: found.iter().map(|(.., boundary)| *boundary).collect(),
             too_thin: None,
+            narrowed: 0,
             accuracy: None,
         }
     }

@@ -1,15 +1,18 @@
 //! Local coordinates and the curvature of a height field, shared by the polynomial
 //! fits.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use fairing_mesh::{Topology, TriMesh};
 use glam::DVec3;
 
 use super::field::{AtVertex, CurvatureField};
-use super::neighborhood::{Explorer, Neighborhood};
+use super::neighborhood::{Explorer, Neighborhood, Reach};
 use super::oriented::on_oriented;
 use super::status::Undefined;
+use crate::NormalEquations;
 use crate::error::OperatorError;
-use crate::normals::{NormalWeight, weighted_vertex_normals};
+use crate::normals::{NormalWeight, smoothed_normals, weighted_vertex_normals};
 use crate::surface::{ChartNormal, FundamentalForms, SurfaceJet};
 use crate::symmetric::Symmetric2;
 use crate::tangent::tangent_frame;
@@ -84,6 +87,33 @@ impl<'a> HeightField<'a> {
         (a * x).powi(2) + (b * y).powi(2) + z * z
     }
 
+    /// The curvature of the quadric `1, x, y, xy, x² − y², x² + y² + z²` that fits the vertex and
+    /// its neighbours, which is exact on spheres however coarse. As a level set F = 0 of such a
+    /// quadric less z, a height field has `zₓ = −Fₓ/F_z` and `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`.
+    fn with_spheres(&self) -> Option<AtVertex> {
+        let [a, b] = self.units;
+        let mut equations = NormalEquations::<6>::default();
+        equations.add(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0, 1.0);
+        for point in self.neighbors() {
+            let [x, y, z] = point;
+            let across = (a * x).powi(2) - (b * y).powi(2);
+            equations.add(&[1.0, x, y, x * y, across, self.squared_distance(point)], z, 1.0);
+        }
+        let [z, x, y, xy, across, round] = equations.solve()?;
+        let slope = 1.0 - 2.0 * round * z;
+        if slope <= 0.0 {
+            return None;
+        }
+        let [zx, zy] = [x / slope, y / slope];
+        let second = |own: f64, bend: f64| (own + 2.0 * round * bend) / slope;
+        let along = 2.0 * (round + across) * a * a;
+        let other = 2.0 * (round - across) * b * b;
+        self.curvature(
+            [zx, zy],
+            [second(along, zx * zx), second(xy, zx * zy), second(other, zy * zy)],
+        )
+    }
+
     /// The curvature at the origin of a height field with this gradient and
     /// these second derivatives xx, xy, yy there, in local units.
     pub(crate) fn curvature(&self, [zx, zy]: [f64; 2], second: [f64; 3]) -> Option<AtVertex> {
@@ -105,6 +135,15 @@ impl<'a> HeightField<'a> {
         Some(AtVertex::new(values, [first?, second?]))
     }
 }
+
+/// The least cosine between the normals of a neighbourhood that is a height field: 60°.
+const MIN_COSINE: f64 = 0.5;
+
+/// The neighbours that determine a fit with spheres.
+const OF_SPHERES: usize = 5;
+
+/// The rings from which a ball that turns too far is narrowed.
+const RINGS_OF_BALLS: u32 = 3;
 
 /// The axes along which points of a plane spread most and least, and how far.
 #[derive(Debug, Clone, Copy)]
@@ -150,7 +189,9 @@ impl PrincipalAxes {
 /// Fits every vertex on its own.
 ///
 /// A neighbourhood with fewer than `at_least` others is widened; where the
-/// connected part has no more, the vertex has too few neighbours. Where the
+/// connected part has no more, the vertex has too few neighbours. One whose normals, averaged twice,
+/// turn by more than 60° is no height field: fewer rings are taken there, and where these do not
+/// determine the fit, a quadric that is exact on spheres. Where the
 /// fit finds no solution the neighbours do not determine one.
 pub(crate) fn fit_each<F>(
     mesh: &TriMesh,
@@ -176,6 +217,12 @@ where
     let reach = neighborhood.reach(mesh)?;
     let topology: &Topology = mesh.topology();
     let normals = weighted_vertex_normals(mesh, NormalWeight::Area);
+    let smooth = smoothed_normals(mesh, &normals);
+    let turns = |found: &[u32]| {
+        let centre = smooth[found[0] as usize];
+        found.iter().any(|&w| smooth[w as usize].dot(centre) < MIN_COSINE)
+    };
+    let narrowed = AtomicUsize::new(0);
     let at_vertex = |(explorer, points): &mut (Explorer, Vec<[f64; 3]>), v: u32| {
         if topology.neighbors(v).is_empty() {
             return Err(Undefined::Isolated);
@@ -185,13 +232,35 @@ where
             return Err(Undefined::NoArea);
         }
         explorer.explore(mesh, topology, v, &reach, at_least);
-        if explorer.found.len() <= at_least {
+        if explorer.found.len() <= at_least.min(OF_SPHERES) {
             return Err(Undefined::TooFewNeighbors);
         }
+        let too_wide = turns(&explorer.found);
+        if too_wide {
+            let rings = if let Reach::Rings(count) = reach { count } else { RINGS_OF_BALLS };
+            for fewer in (1..rings.max(2)).rev() {
+                explorer.explore(mesh, topology, v, &Reach::Rings(fewer), OF_SPHERES);
+                if !turns(&explorer.found) {
+                    break;
+                }
+            }
+        }
+        let is_lower = explorer.found.len() <= at_least;
+        if is_lower && !too_wide {
+            return Err(Undefined::TooFewNeighbors);
+        }
+        if too_wide {
+            narrowed.fetch_add(1, Ordering::Relaxed);
+        }
         let field = HeightField::new(mesh, &explorer.found, normal, points);
-        field.and_then(|field| fit(&field)).ok_or(Undefined::IllConditioned)
+        let field = field.ok_or(Undefined::IllConditioned)?;
+        let found = if is_lower { None } else { fit(&field) };
+        let found = found.or_else(|| if too_wide { field.with_spheres() } else { None });
+        found.ok_or(Undefined::IllConditioned)
     };
-    Ok(CurvatureField::at_each_vertex(mesh, at_vertex))
+    let mut field = CurvatureField::at_each_vertex(mesh, at_vertex);
+    field.narrowed = narrowed.into_inner();
+    Ok(field)
 }
 
 #[cfg(test)]
@@ -208,6 +277,21 @@ pub(crate) mod tests {
         };
         let positions = flat.positions().iter().map(lift).collect();
         (flat.with_positions(positions).unwrap(), 60)
+    }
+
+    /// The second ring of a sphere of 42 vertices turns by more than 60°, and one ring determines
+    /// no cubic.
+    #[test]
+    fn coarse_spheres_are_fitted_with_fewer_rings() {
+        let sphere = fairing_shapes::icosphere(1);
+        for name in ["quadric", "jet2", "jet3", "jet4"] {
+            let estimator: crate::curvature::Estimator = name.parse().unwrap();
+            let field = estimator.estimate(&sphere).unwrap();
+            assert_eq!(field.narrowed, 42, "{name}");
+            let values = field.mean.iter().chain(&field.gaussian);
+            assert!(values.into_iter().all(|x| (x - 1.0).abs() < 0.25), "{name}: {:?}", field.mean);
+            assert_eq!(estimator.estimate(&fairing_shapes::icosphere(4)).unwrap().narrowed, 0);
+        }
     }
 
     /// A slope is not curved, and the curvature of a cylinder does not depend

@@ -56,6 +56,7 @@ impl TwoSided for CurvatureField {
             status: take(&self.status, vertices),
             boundary: take(&self.boundary, vertices),
             too_thin: self.too_thin,
+            narrowed: self.narrowed,
             accuracy: self.accuracy.as_ref().map(|all| all.taken(vertices)),
         }
     }

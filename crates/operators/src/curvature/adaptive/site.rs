@@ -5,15 +5,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::corrected::CorrectedMeasures;
-use crate::normals::{NormalWeight, weighted_vertex_normals};
+use crate::normals::{NormalWeight, smoothed_normals, weighted_vertex_normals};
 use crate::tangent::tangent_frame;
 
 /// Rounds of averaging over the neighbours that make a mean edge length a local one.
 const ROUNDS: usize = 4;
-
-/// Rounds of averaging over the neighbours that make a normal one of the surface without its
-/// noise: the frame of fits, and the measure of how far a neighbourhood turns.
-const NORMAL_ROUNDS: usize = 2;
 
 /// A vertex with the measures of a third of each of its faces, in units of [`Sites::unit`].
 ///
@@ -22,7 +18,7 @@ const NORMAL_ROUNDS: usize = 2;
 #[repr(align(64))]
 pub(super) struct Site {
     pub(super) position: DVec3,
-    /// The unit normal after [`NORMAL_ROUNDS`] rounds of averaging, zero where there is none.
+    /// The unit normal after two rounds of averaging, zero where there is none.
     pub(super) normal: DVec3,
     /// The first axis of the tangent plane; the second is `normal × axis`.
     pub(super) axis: DVec3,
@@ -134,21 +130,4 @@ fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
         values = (0..values.len()).into_par_iter().with_min_len(1024).map(mean).collect();
     }
     values
-}
-
-fn smoothed_normals(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<DVec3> {
-    let topology = mesh.topology();
-    let mut smooth: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
-    for _ in 0..NORMAL_ROUNDS {
-        let mean = |v: usize| {
-            let neighbors = topology.neighbors(v as u32);
-            let sum: DVec3 = neighbors.iter().map(|&w| smooth[w as usize]).sum();
-            match normals[v] == [0.0; 3] {
-                true => DVec3::ZERO,
-                false => (smooth[v] + sum).try_normalize().unwrap_or(smooth[v]),
-            }
-        };
-        smooth = (0..smooth.len()).into_par_iter().with_min_len(1024).map(mean).collect();
-    }
-    smooth
 }
