@@ -8,7 +8,7 @@ use super::gaussian::{defects, undefined};
 use super::mean::{AtVertex, MeanCurvature};
 use crate::error::OperatorError;
 use crate::laplacian::{Laplacian, Reason};
-use crate::normals::vertex_normals;
+use crate::normals::{NormalWeight, weighted_vertex_normals};
 
 /// [`mean_curvature`](super::mean_curvature) with a Laplacian of the mesh:
 /// `Δx = −M⁻¹ S x`, in 1 / mesh units for a mass of areas.
@@ -44,7 +44,7 @@ pub fn laplacian_mean_curvature(
 ) -> Result<MeanCurvature, OperatorError> {
     let bends = integrated(mesh, laplacian)?;
     let mass = laplacian.mass().lumped();
-    let normals = vertex_normals(mesh);
+    let normals = weighted_vertex_normals(mesh, NormalWeight::Area);
     let found = bends.zip(&*mass).zip(normals).zip(defects(mesh));
     let found: Vec<AtVertex> = found
         .map(|(((bend, &mass), normal), (_, links))| {

@@ -207,7 +207,10 @@ impl Explorer {
         at_least: usize,
     ) {
         self.reached_for.resize(mesh.vertex_count(), 0);
-        self.found.clear();
+        // Marks of the same vertex, from a wider search.
+        for w in self.found.drain(..) {
+            self.reached_for[w as usize] = 0;
+        }
         self.found.push(v);
         self.reached_for[v as usize] = v + 1;
         let mut start = 0;
