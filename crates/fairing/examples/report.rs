@@ -78,7 +78,7 @@ fn noise(mesh: &TriMesh) -> Result<f64> {
 
 fn jets(mesh: &TriMesh) -> Result<f64> {
     // [estimators]
-    let field = Estimator::RECOMMENDED.estimate(mesh)?; // cubic jets over three rings
+    let field = Estimator::RECOMMENDED.estimate(mesh)?; // at a scale of its own
     let (mean, gaussian) = (&field.mean, &field.gaussian);
     let (first, second) = (&field.kappa1, &field.kappa2); // with directions: field.directions
     // [end]

@@ -129,7 +129,7 @@ fairing_parameters::options! {
     "corrected": "principal curvatures of smooth shapes, from one ring only", ["lachaud2020"],
         with Self::DEFAULT,
         if |corrected| corrected.radius.is_none();
-    "corrected-ball": "smooth shapes with uneven or noisy triangles, at a chosen scale", ["lachaud2020"],
+    "corrected-ball": "the best of fixed size under noise, at a chosen scale", ["lachaud2020"],
         with Self { radius: Some(Length::MeanEdges(2.0)), ..Self::DEFAULT },
         if |corrected| corrected.radius.is_some();
 }

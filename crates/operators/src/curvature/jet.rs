@@ -102,13 +102,13 @@ fairing_parameters::options! {
         /// The weights of the vertices.
         pub weight: JetWeight = JetWeight::Uniform;
     }
-    "jet2": "noisy smooth shapes: few coefficients average out noise", ["cazals2005"],
+    "jet2": "over two rings, as in CGAL; jet4 is better on clean meshes, corrected-ball on noisy ones", ["cazals2005"],
         with Self { degree: JetDegree::Two, neighborhood: Neighborhood::Rings(2), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Two;
     "jet3": "fine, clean meshes of smooth shapes: converges on irregular ones", ["cazals2005"],
         with Self::DEFAULT,
         if |jet| jet.degree == JetDegree::Three;
-    "jet4": "most accurate on fine, clean meshes of smooth shapes", ["cazals2005"],
+    "jet4": "the best of fixed size on fine, clean meshes of smooth shapes", ["cazals2005"],
         with Self { degree: JetDegree::Four, neighborhood: Neighborhood::Rings(4), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Four;
 }

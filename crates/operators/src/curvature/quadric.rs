@@ -28,7 +28,7 @@ fairing_parameters::options! {
         /// The vertices that the quadric is fitted to.
         pub neighborhood: Neighborhood = Neighborhood::Rings(2);
     }
-    "quadric": "clean meshes of even quality, over two rings; as in libigl", ["panozzo2010"];
+    "quadric": "over two rings, as in libigl; through the vertex, noise and all", ["panozzo2010"];
 }
 
 /// Principal curvatures of a quadric fitted at each vertex.
