@@ -11,6 +11,7 @@ import numpy.typing as npt
 Soft: TypeAlias = "Iterable[tuple[int, float] | tuple[int, float, npt.ArrayLike]]"
 
 Estimator = Literal[
+    "adaptive",
     "cotangent",
     "steiner",
     "normal-cycle",
@@ -93,6 +94,7 @@ NoiseKind = Literal[
 class EstimatorParameters(TypedDict, total=False):
     """Parameters of estimators."""
 
+    noise: Literal["independent", "correlated"] | None
     area: Literal["barycentric", "voronoi", "mixed"] | None
     radius: float | None
     normals: Literal["area", "angle", "sphere", "uniform"] | None
