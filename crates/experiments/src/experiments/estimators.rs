@@ -124,7 +124,7 @@ impl Experiment for Estimators {
                     reaching.len(),
                     worst.len(),
                     if reaching.len() == 1 { "does" } else { "do" },
-                    reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and "),
+                    listed(&reaching),
                     brief(order),
                     brief(worst[0].1),
                 ),
@@ -141,7 +141,7 @@ impl Experiment for Estimators {
             false => format!(
                 "Of the {} estimators it holds only for {}, in both H and K.",
                 Estimator::all().len(),
-                reaching.iter().map(|name| in_words(name)).collect::<Vec<_>>().join(" and "),
+                listed(&reaching),
             ),
         })
         .ours()
@@ -178,9 +178,22 @@ fn least_orders(orders: &Table) -> Result<Vec<(&'static str, f64)>> {
     Ok(worst)
 }
 
+/// Names with commas, and a word before the last.
+fn listed(names: &[&str]) -> String {
+    match names.split_last() {
+        Some((last, [])) => in_words(last).into(),
+        Some((last, others)) => {
+            let others: Vec<&str> = others.iter().map(|name| in_words(name)).collect();
+            format!("{} and {}", others.join(", "), in_words(last))
+        }
+        None => String::new(),
+    }
+}
+
 /// An estimator in words, where its name is short for them.
 fn in_words(name: &str) -> &str {
     match name {
+        "adaptive" => "the adaptive estimator",
         "jet2" => "quadratic jets",
         "jet3" => "cubic jets",
         "jet4" => "quartic jets",
