@@ -183,9 +183,9 @@ impl FaceLists {
         Self { offsets, items: blocks.into_iter().flat_map(|(_, items)| items).collect() }
     }
 
-    /// The faces that share a vertex with each face, itself left out, ascending. At a vertex of more
-    /// than [`HUB`] faces only the nearest ones around it, half of that number to either side: all
-    /// of them would be neighbours of each other. Sharing stays mutual.
+    /// The faces that share a vertex with each face, itself left out, ascending. At a vertex of
+    /// more than [`HUB`] faces only the nearest ones around it, half of that number to either
+    /// side: all of them would be neighbours of each other. Sharing stays mutual.
     pub(crate) fn rings(mesh: &TriMesh) -> Self {
         let (incidence, faces) = (mesh.incidence(), mesh.faces());
         let is_hub = |v: u32| incidence.corners(v).len() > HUB;

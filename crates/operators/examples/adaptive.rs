@@ -1,9 +1,9 @@
 //! Errors of the adaptive estimator over those of the best other choice, made with the truth.
 //!
-//! The oracle of a surface is the least RMS error of all other estimators at their defaults and of
-//! `corrected-ball` at eight radii. Three sets of surfaces differ in shapes and seeds: constants are
-//! chosen on `tuning`, the treatment of coarse meshes also saw `checking`, and nothing was chosen on
-//! `judging`, the default.
+//! The oracle of a surface is the least RMS error of all other estimators at their defaults and
+//! of `corrected-ball` at eight radii. Three sets of surfaces differ in shapes and seeds: constants
+//! are chosen on `tuning`, the treatment of coarse meshes also saw `checking`, and nothing was
+//! chosen on `judging`, the default.
 //!
 //! ```text
 //! cargo run --release -p fairing-operators --example adaptive -- [tuning|checking|judging] [all]

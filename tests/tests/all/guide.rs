@@ -210,7 +210,7 @@ fn cells<'a>(page: &'a str, name: &str) -> Vec<&'a str> {
     line.split('|').map(str::trim).skip(2).collect()
 }
 
-/// What is recommended, by default and in words, is the best of the report's table, and the guide
+/// The recommendations, by default and in words, are the best of the report's table, and the guide
 /// shows its numbers to two digits.
 #[test]
 fn advice_on_estimators_is_that_of_the_table() {

@@ -31,6 +31,7 @@ mod samples;
 mod seen;
 mod spread;
 mod statistics;
+mod study;
 mod surfaces;
 mod torus;
 

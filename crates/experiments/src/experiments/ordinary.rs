@@ -10,9 +10,9 @@ use fairing_sparse::{larger, median, smaller};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::estimators::{Study, exact_values};
 use super::gallery::plotted;
 use super::samples::{Layout, Sample};
+use super::study::{Study, exact_values};
 use super::surfaces::TestSurface;
 use crate::experiment::Context;
 use crate::outcome::Picture;
@@ -108,7 +108,7 @@ fn rows(
     Ok((rows, angles))
 }
 
-/// How the weights of vertex normals compare with the best on each mesh.
+/// The weights of vertex normals beside the best on each mesh.
 fn normals(cases: &[Case], angles: &[Angles]) -> Result<Table> {
     let mut table = Table::new(
         "normals",
@@ -233,7 +233,7 @@ pub(super) fn plot(errors: &Table) -> Result<Picture> {
     )
 }
 
-/// Whether the recommended estimator is the one that the table recommends.
+/// Decides if the recommended estimator is the one that the table recommends.
 pub(super) fn judge(tables: &Tables<'_>) -> Result<Judgement> {
     let choice = tables.get("choice")?;
     let recommended = Estimator::RECOMMENDED.name();

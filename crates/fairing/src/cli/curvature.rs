@@ -33,8 +33,8 @@ Examples:
 /// Estimate the curvature at each vertex
 ///
 /// Prints a summary; with --output, writes the vertex properties mean, gaussian, kappa1 >= kappa2
-/// and, if the estimator provides them, the principal unit directions direction1 and direction2, and
-/// the standard errors mean_error and gaussian_error with the radius scale that decided.
+/// and, if the estimator provides them, the principal unit directions direction1 and direction2,
+/// and the standard errors mean_error and gaussian_error with the radius scale that decided.
 /// The property defined is 0 at vertices without a value (the values there are 0 and meaningless);
 /// boundary is 1 at boundary vertices, whose values are one-sided. PLY and VTP files hold these
 /// properties. Units are 1/length of the file, for gaussian 1/length². Curvature

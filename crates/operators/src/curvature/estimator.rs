@@ -109,4 +109,19 @@ mod tests {
             assert!(error.contains(said), "{error}");
         }
     }
+
+    /// The second ring of a sphere of 42 vertices turns by more than 60°, and one ring determines
+    /// no cubic.
+    #[test]
+    fn coarse_spheres_are_fitted_with_fewer_rings() {
+        let sphere = fairing_shapes::icosphere(1);
+        for name in ["quadric", "jet2", "jet3", "jet4"] {
+            let estimator: Estimator = name.parse().unwrap();
+            let field = estimator.estimate(&sphere).unwrap();
+            assert_eq!(field.narrowed, 42, "{name}");
+            let values = field.mean.iter().chain(&field.gaussian);
+            assert!(values.into_iter().all(|x| (x - 1.0).abs() < 0.25), "{name}: {:?}", field.mean);
+            assert_eq!(estimator.estimate(&fairing_shapes::icosphere(4)).unwrap().narrowed, 0);
+        }
+    }
 }

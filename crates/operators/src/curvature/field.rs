@@ -44,7 +44,7 @@ pub struct CurvatureField {
     pub accuracy: Option<Accuracy>,
 }
 
-/// How far curvature can be trusted at each vertex, in vertex order; zero where undefined.
+/// The trust in curvature at each vertex, in vertex order; zero where undefined.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Accuracy {

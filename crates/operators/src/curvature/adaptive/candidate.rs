@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fairing_mesh::Topology;
 
-use super::gather::{Gathering, Neighbor};
+use super::gather::{Extent, Gathering, Neighbor};
 use super::jets::{self, Row};
 use super::regression;
 use super::site::Sites;
@@ -104,17 +104,6 @@ pub(super) struct Candidates {
 pub(super) struct Work {
     gathering: Gathering,
     rows: Vec<Row>,
-}
-
-/// How far candidates reach: the place of the radius in [`SEARCHED`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Extent {
-    /// All.
-    Wide = 0,
-    /// Those for meshes without noise.
-    Narrow = 2,
-    /// Those that show the noise, the residual of a jet included.
-    Sample = 3,
 }
 
 impl Candidates {
@@ -249,9 +238,9 @@ impl Candidates {
 /// The variance of the noise at a vertex, in squared local units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
-    /// That of heights, for jets.
+    /// For jets: the variance of heights.
     pub(super) heights: f64,
-    /// That for measures, which irregular faces and second-order terms make larger.
+    /// For measures, which irregular faces and second-order terms make larger.
     pub(super) measures: f64,
 }
 

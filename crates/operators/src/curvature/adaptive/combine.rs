@@ -5,7 +5,8 @@ use glam::DVec3;
 
 use super::super::field::{Accuracy, AtVertex, CurvatureField};
 use super::super::status::Undefined;
-use super::candidate::{COUNT, Candidates, Extent, JETS, Level, QUANTITIES, Quantity, RADII};
+use super::candidate::{COUNT, Candidates, JETS, Level, QUANTITIES, Quantity, RADII};
+use super::gather::Extent;
 use super::noise::Noise;
 use super::regression::density;
 use super::risk::SquaredBias;

@@ -9,6 +9,17 @@ use super::site::Sites;
 /// The most vertices of a neighbourhood. Where a ball holds more, a smaller one is taken.
 const MAX_NEIGHBORS: usize = 1200;
 
+/// The reach of candidates: the number of radii that are left out, from the largest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All.
+    Wide = 0,
+    /// Those for meshes without noise.
+    Narrow = 2,
+    /// Those that show the noise, the residual of a jet included.
+    Sample = 3,
+}
+
 /// A neighbour: lengths in local mean edges.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Neighbor {

@@ -9,8 +9,7 @@
 
 use glam::DVec3;
 
-use super::candidate::Extent;
-use super::gather::Neighbor;
+use super::gather::{Extent, Neighbor};
 use crate::normal_equations::{NormalEquations, NormalFactor};
 use crate::tangent::tangent_frame;
 

@@ -27,8 +27,8 @@
 //!
 //! **At borders** neighbourhoods are one-sided: variance and bias are scaled by what the equations
 //! of each fit say. Under noise of a tenth of an edge, expect several times the error of the inside
-//! within three rings of a border. **At creases** the field is a smooth one over some scale, and its
-//! standard error is too small.
+//! within three rings of a border. **At creases** the field is a smooth one over some scale, and
+//! its standard error is too small.
 //!
 //! Constants were chosen on 28 surfaces (`tuning` in `examples/adaptive.rs`), the treatment of
 //! coarse neighbourhoods also on 28 others (`checking`); nothing was chosen on the last 28
@@ -44,13 +44,18 @@
 //!
 //! At 0.3 edges faces fold, and neither values nor errors should be relied on.
 //!
-//! Normals of samples are weighted as in \[max1999\], measures are those of \[lachaud2020\], jets
-//! follow \[cazals2005\].
+//! Normals of samples are weighted as in [max1999], measures are those of [lachaud2020], jets
+//! follow [cazals2005].
+//!
+//! [max1999]: https://doi.org/10.1080/10867651.1999.10487501
+//! [lachaud2020]: https://doi.org/10.1111/cgf.14067
+//! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 
 mod candidate;
 mod combine;
 mod gather;
 mod jets;
+mod kind;
 mod noise;
 mod regression;
 mod risk;
@@ -62,6 +67,7 @@ use rayon::prelude::*;
 
 use self::candidate::{Candidates, Level, Work};
 use self::combine::{Combined, combine};
+pub use self::kind::NoiseKind;
 use self::noise::Noise;
 use self::site::Sites;
 use super::cotangent::{CotangentOptions, cotangent_curvature};
@@ -70,31 +76,13 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 
-/// How the noise of neighbouring vertices is related.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum NoiseKind {
-    /// Each vertex by itself.
-    Independent,
-    /// Neighbours alike, as in the waves of a scanner: the mesh looks smooth, and small radii
-    /// agree with each other but not with large ones. Bias is then taken from the next larger
-    /// radius alone.
-    Correlated,
-}
-
-fairing_parameters::choices!(NoiseKind, "kind of noise",
-    Independent: "independent", "Each vertex by itself";
-    Correlated: "correlated", "Neighbours alike, as the waves of some scanners";
-);
-#[cfg(feature = "serde")]
-fairing_parameters::serde_by_name!(NoiseKind);
-
 fairing_parameters::options! {
     /// Options of [`adaptive_curvature`].
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct AdaptiveOptions {
-        /// How the noise of neighbouring vertices is related.
+        /// The relation between the noise of neighbouring vertices.
         pub noise: NoiseKind = NoiseKind::Independent;
     }
     "adaptive": "recommended: finds its own scale, and says how far to trust it",

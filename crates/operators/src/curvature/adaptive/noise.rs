@@ -4,7 +4,8 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::candidate::{Candidates, Extent, GAINS, Work};
+use super::candidate::{Candidates, GAINS, Work};
+use super::gather::Extent;
 use super::site::Sites;
 
 /// The most vertices of a component that are examined.
@@ -58,7 +59,7 @@ impl Noise {
     }
 }
 
-/// What a vertex shows of the noise, in the unit of the sites.
+/// Signs of the noise at a vertex, in the unit of the sites.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sample {
     /// The distance from a jet over its standard deviation.

@@ -5,8 +5,8 @@ use std::ops::Range;
 use fairing_mesh::Topology;
 use rayon::prelude::*;
 
-use super::NoiseKind;
 use super::candidate::{COUNT, Candidates, JETS, Level, MEANS, QUANTITIES, RADII, REGRESSIONS};
+use super::kind::NoiseKind;
 
 /// Rounds of averaging over the neighbours: as wide as weights (1 − d²/r²)² with r = 4 mean edges.
 const ROUNDS: usize = 5;
@@ -18,7 +18,7 @@ const ORDER_OF_MEANS: i32 = 2;
 /// The least part of the surroundings in which a difference is known.
 const MIN_PART: f32 = 0.05;
 
-/// Whether the candidate counts, then for H and for K: the squared difference from the next
+/// One if the candidate counts, then for H and for K: the squared difference from the next
 /// smaller radius less its variance, and those from all smaller radii less three variances.
 const FIELDS: usize = 16;
 const OF_QUANTITY: usize = 7;

@@ -1,0 +1,19 @@
+//! Kinds of noise.
+
+/// The relation between the noise of neighbouring vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NoiseKind {
+    /// Each vertex by itself.
+    Independent,
+    /// Neighbours alike, as in the waves of a scanner: the mesh looks smooth, and small radii
+    /// agree with each other but not with large ones. Bias is then taken from the next larger
+    /// radius alone.
+    Correlated,
+}
+
+fairing_parameters::choices!(NoiseKind, "kind of noise",
+    Independent: "independent", "Each vertex by itself";
+    Correlated: "correlated", "Neighbours alike, as the waves of some scanners";
+);
+#[cfg(feature = "serde")]
+fairing_parameters::serde_by_name!(NoiseKind);
