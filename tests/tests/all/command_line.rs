@@ -376,7 +376,11 @@ fn parameters_of_denoisers_and_estimators_are_flags() {
     let said = refuse(folder.path(), "denoise noisy.ply -o d.ply --method l0 --growth 0.5", 2);
     assert!(said.contains("growth is 0.5"), "{said}");
 
-    let mean = |flags: &str| run(folder.path(), &format!("curvature noisy.ply --json {flags}"));
+    // A neighbourhood of five rings has to be a height field.
+    io::write(folder.path().join("fine.ply"), &shapes::torus(3.0, 1.0, 120, 60)).unwrap();
+    run(folder.path(), "noise fine.ply -o fine-noisy.ply --sigma 0.1");
+    let mean =
+        |flags: &str| run(folder.path(), &format!("curvature fine-noisy.ply --json {flags}"));
     assert_eq!(mean("--noise independent"), mean(""));
     assert_ne!(mean("--noise correlated"), mean(""));
     let jet = |flags: &str| mean(&format!("--estimator jet3 {flags}"));
