@@ -116,8 +116,8 @@ fn plastic(i: usize) -> [f64; 2] {
 /// are cast: one or two for even meshes, a quarter of the faces for a fan.
 const CROWDED: f32 = 64.0;
 
-/// Returns true if long triangles lie so close that a ray would meet the boxes of most of them, as in a
-/// disc of thousands of faces around its centre.
+/// Returns true if long triangles lie so close that a ray would meet the boxes of most of them, as
+/// in a disc of thousands of faces around its centre.
 fn is_crowded(triangles: &[Triangle]) -> bool {
     let crowd: f32 = triangles.iter().map(|t| t.aabb().half_area()).sum();
     let common = triangles.iter().fold(Aabb::empty(), |all, t| all.union(&t.aabb()));
