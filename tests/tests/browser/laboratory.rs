@@ -230,6 +230,7 @@ fn history(chrome: &mut Chrome, report: &Path) -> Result<()> {
 
 /// A program that the page copies, as it is.
 #[expect(clippy::needless_update, reason = "later versions may have more options")]
+#[expect(clippy::too_many_lines, reason = "a program written by the page")]
 mod copied {
     include!("copied.txt");
 
