@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use programs::Program;
+use programs::{Program, study};
 use tasks::{RELEASE_HELP, TASKS, TEST_HELP, WEB_HELP, help};
 use web::Extent;
 
@@ -46,8 +46,8 @@ fn run() -> Result<ExitCode> {
         ["reproduce" | "report" | "data", ..] => {
             return Program::Reproduce.start(&root, &arguments);
         }
-        ["bench", ..] => return Program::Benchmark.start(&root, &arguments),
-        ["benchmark", ..] => return Program::Benchmark.start(&root, &arguments[1..]),
+        ["bench", ..] => return Program::Bench.start(&root, &arguments[1..]),
+        ["study", ..] => return study(&root, &arguments[1..]),
         ["test", "--help" | "-h"] => {
             println!("{TEST_HELP}");
             true

@@ -11,15 +11,15 @@ use anyhow::{Context as _, Result};
 pub(crate) enum Program {
     /// Experiments and their report, in the profile of the tests, so nothing is compiled twice.
     Reproduce,
-    /// Speed and denoisers, in the profile release: what users install is measured.
-    Benchmark,
+    /// Times of tasks, in the profile release: what users install is measured.
+    Bench,
 }
 
 impl Program {
     fn name(self) -> &'static str {
         match self {
             Self::Reproduce => "reproduce",
-            Self::Benchmark => "benchmark",
+            Self::Bench => "bench",
         }
     }
 
@@ -30,7 +30,7 @@ impl Program {
         let file = format!("{}{}", self.name(), std::env::consts::EXE_SUFFIX);
         Ok(match self {
             Self::Reproduce => folder.with_file_name("debug").join(file),
-            Self::Benchmark => folder.with_file_name("release").join(file),
+            Self::Bench => folder.with_file_name("release").join(file),
         })
     }
 
@@ -44,7 +44,7 @@ impl Program {
     pub(crate) fn start(self, root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
         let mut build = cargo(root);
         build.args(["build", "--workspace", "--bin", self.name()]);
-        if let Self::Benchmark = self {
+        if let Self::Bench = self {
             build.arg("--release");
         }
         if !build.status().context("running cargo")?.success() {
@@ -54,6 +54,14 @@ impl Program {
         command.args(arguments);
         become_program(command).with_context(|| format!("running {}", self.name()))
     }
+}
+
+/// Runs the program of the study, a workspace of its own.
+pub(crate) fn study(root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
+    let mut run = cargo(root);
+    run.args(["run", "--release", "--manifest-path", "study/Cargo.toml"]);
+    run.args(["--target-dir", "target/study", "--"]).args(arguments);
+    become_program(run).context("running cargo")
 }
 
 /// The cargo that runs us, in the root of the repository.

@@ -6,7 +6,7 @@ pub(crate) const TASKS: [(&str, &str); 10] = [
     ("report", "Write the pages of a report again, from its results.json"),
     ("data", "Generate the meshes of data/, or check them"),
     ("bench", "Time one task inside the process, or builds from an empty target folder"),
-    ("benchmark", "Measure, tune and train denoisers on generated models with noise"),
+    ("study", "Measure, tune and train denoisers on generated models with noise"),
     (
         "tidy",
         "Check the tree against its rules: arrows between crates, lengths of files, the README",

@@ -10,6 +10,14 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+#[cfg_attr(
+    not(feature = "training"),
+    expect(unreachable_pub, reason = "the feature makes the networks public")
+)]
+#[cfg_attr(
+    not(any(feature = "training", test)),
+    expect(dead_code, reason = "what only training needs")
+)]
 mod automatic;
 mod bilateral;
 mod bilateral_normal;
@@ -22,13 +30,17 @@ mod jumps;
 mod l0;
 mod masked;
 mod noise_level;
+#[cfg_attr(
+    not(feature = "training"),
+    expect(unreachable_pub, reason = "the feature makes growth over scales public")
+)]
 mod noise_scale;
 mod non_iterative;
 mod total_generalised_variation;
 mod total_variation;
 mod vertex_update;
 
-#[doc(hidden)]
+#[cfg(feature = "training")]
 pub use automatic::training;
 pub use automatic::{Approach, Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};

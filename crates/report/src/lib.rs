@@ -1,28 +1,14 @@
-//! The report: `results.json` and the files beside it as Markdown and as a page.
+//! The report: what experiments return, the experiments, their report as Markdown and as a page, and
+//! the program behind `cargo xtask reproduce`.
 //!
-//! [`render()`] needs nothing else, so a report can be rendered again without running any
-//! experiment. [`publish()`] comes before it: it selects the files of a new report and writes
-//! `results.json`.
+//! An experiment is a value: [`experiment::Experiment`] says what it asks, how it measures, and how
+//! it judges its claims from its own tables. [`page`] shows what it returned and needs nothing else,
+//! so a report can be rendered again without running any experiment.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-pub mod mathml;
-
-mod base85;
-mod bibliography;
-mod layout;
-mod markdown;
-mod notation;
-mod numbers;
-mod page;
-mod publish;
-mod render;
-mod snippets;
-mod story;
-mod thumbnail;
-mod views;
-
-pub use markdown::{claim_table, summary};
-pub use page::laboratory;
-pub use publish::publish;
-pub use render::render;
+pub mod experiment;
+pub mod experiments;
+pub mod model;
+pub mod page;
+pub mod run;

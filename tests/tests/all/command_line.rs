@@ -510,7 +510,7 @@ fn commands_of_the_report_run() {
     };
     let noisy = truth.positions().iter().enumerate().map(moved).collect();
     let noisy = truth.with_positions(noisy).unwrap();
-    for experiment in fairing_experiments::experiments::ALL {
+    for experiment in fairing_report::experiments::ALL {
         let folder = tempfile::tempdir().unwrap();
         let card = experiment.card();
         let commands = &card.section.commands;

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use fairing_experiments::experiment::{Card, Context, Experiment};
-use fairing_experiments::experiments;
-use fairing_experiments::outcome::{Outcome, Picture};
 use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
-use fairing_report::mathml;
-use fairing_reproduce::{Plan, reproduce};
-use fairing_results::results::{Form, Results};
-use fairing_results::row;
-use fairing_results::table::{Table, Tables, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
-use fairing_results::view::{Panel, Slider, View};
+use fairing_report::experiment::outcome::{Outcome, Picture};
+use fairing_report::experiment::{Card, Context, Experiment};
+use fairing_report::experiments;
+use fairing_report::model::results::{Form, Results};
+use fairing_report::model::table::{Table, Tables, Unit};
+use fairing_report::model::verdict::{Judgement, Verdict};
+use fairing_report::model::view::{Panel, Slider, View};
+use fairing_report::page::mathml;
+use fairing_report::row;
+use fairing_report::run::{Plan, reproduce};
 use fairing_shapes as shapes;
 
 /// A record with every kind of content that a report can show.
@@ -23,10 +23,10 @@ impl Experiment for Shown {
         Card {
             id: "shown",
             title: "A sphere",
-            question: "What is there to see?",
+            question: "What is there to see?".into(),
             method: "By looking.\n\nTwice.".into(),
             formulas: vec![r"H = \frac{1}{r}".into()],
-            section: fairing_results::section::Section::default(),
+            section: fairing_report::model::section::Section::default(),
             inputs: &[],
             parameters: vec![("radius", "1".into())],
         }
@@ -113,7 +113,7 @@ fn a_report_is_made_again_from_its_files() {
         }
         let elsewhere = folder.path().join(format!("{form:?} moved"));
         std::fs::rename(&out, &elsewhere).unwrap();
-        fairing_report::render(&elsewhere).unwrap();
+        fairing_report::page::render(&elsewhere).unwrap();
         let again = read(&elsewhere);
         assert!(before == again, "{form:?}");
         assert!(again.iter().all(|text| text.contains("By looking.")));
@@ -149,11 +149,11 @@ fn numbers_alone_are_no_report() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
     let results = report(&out, Form::Whole);
-    fairing_reproduce::reference::accept(folder.path(), &results).unwrap();
-    let bare = fairing_reproduce::reference::path(folder.path(), true);
+    fairing_report::run::reference::accept(folder.path(), &results).unwrap();
+    let bare = fairing_report::run::reference::path(folder.path(), true);
     std::fs::copy(bare, out.join("results.json")).unwrap();
     let page = std::fs::read(out.join("report.html")).unwrap();
-    let error = fairing_report::render(&out).unwrap_err().to_string();
+    let error = fairing_report::page::render(&out).unwrap_err().to_string();
     assert!(error.contains("how shown was answered"), "{error}");
     assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
 }
@@ -171,7 +171,7 @@ fn a_view_without_data_is_named() {
             None => std::fs::remove_file(&data).unwrap(),
             Some(text) => std::fs::write(&data, text).unwrap(),
         }
-        let error = format!("{:#}", fairing_report::render(&out).unwrap_err());
+        let error = format!("{:#}", fairing_report::page::render(&out).unwrap_err());
         assert!(error.contains("shown/turning.view.json"), "{error}");
         assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
     }

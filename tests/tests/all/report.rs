@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use fairing_experiments::experiment::{Card, Context, Experiment};
-use fairing_experiments::experiments;
-use fairing_experiments::outcome::Outcome;
 use fairing_mesh::TriMesh;
-use fairing_reproduce::{Plan, reproduce};
-use fairing_results::compare::differences;
-use fairing_results::results::{Form, Results};
-use fairing_results::row;
-use fairing_results::table::{Table, Tables, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
-use fairing_results::view::{Panel, View};
+use fairing_report::experiment::outcome::Outcome;
+use fairing_report::experiment::{Card, Context, Experiment};
+use fairing_report::experiments;
+use fairing_report::model::compare::differences;
+use fairing_report::model::results::{Form, Results};
+use fairing_report::model::table::{Table, Tables, Unit};
+use fairing_report::model::verdict::{Judgement, Verdict};
+use fairing_report::model::view::{Panel, View};
+use fairing_report::row;
+use fairing_report::run::{Plan, reproduce};
 use fairing_shapes as shapes;
 use serde_json::Value;
 
@@ -138,10 +138,10 @@ impl Experiment for Sample {
         Card {
             id: self.0,
             title: "A sample",
-            question: "Does it run?",
+            question: "Does it run?".into(),
             method: "By running.".into(),
             formulas: vec![],
-            section: fairing_results::section::Section::default(),
+            section: fairing_report::model::section::Section::default(),
             inputs: &[],
             parameters: vec![],
         }
@@ -303,7 +303,7 @@ fn every_form_runs_to_its_end() {
         let read = Results::read(&plan.out.join("results.json")).unwrap();
         assert!(differences(&read, &results, false).is_empty());
         let page = std::fs::read(plan.out.join("report.md")).unwrap();
-        fairing_report::render(&plan.out).unwrap();
+        fairing_report::page::render(&plan.out).unwrap();
         assert_eq!(page, std::fs::read(plan.out.join("report.md")).unwrap());
         results
     };

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use fairing_results::results::Results;
+use fairing_report::model::results::Results;
 use serde_json::json;
 
 use crate::Test;

@@ -46,7 +46,7 @@ fn made(report: &Path) -> Result<PathBuf> {
             || Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/web/assets/fairing.wasm.gz"),
             PathBuf::from,
         );
-        std::fs::write(&page, fairing_report::laboratory(&std::fs::read(module)?)?)?;
+        std::fs::write(&page, fairing_report::page::laboratory(&std::fs::read(module)?)?)?;
     }
     Ok(page)
 }

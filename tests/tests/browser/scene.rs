@@ -5,13 +5,13 @@ use std::path::Path;
 use anyhow::Result;
 use fairing_figure::{Axis, Figure, Plot, Series};
 use fairing_mesh::TriMesh;
-use fairing_results::provenance::Provenance;
-use fairing_results::results::{FigureFile, Form, PlotLink, Record, Results, ViewFile};
-use fairing_results::row;
-use fairing_results::section::Section;
-use fairing_results::table::{Table, Unit};
-use fairing_results::verdict::{Judgement, Shown, Verdict, ViewState};
-use fairing_results::view::{Modes, Panel, Slider, View};
+use fairing_report::model::provenance::Provenance;
+use fairing_report::model::results::{FigureFile, Form, PlotLink, Record, Results, ViewFile};
+use fairing_report::model::section::Section;
+use fairing_report::model::table::{Table, Unit};
+use fairing_report::model::verdict::{Judgement, Shown, Verdict, ViewState};
+use fairing_report::model::view::{Modes, Panel, Slider, View};
+use fairing_report::row;
 use fairing_shapes as shapes;
 use fairing_spectral::SpectrumOptions;
 
@@ -207,7 +207,7 @@ fn curve(folder: &Path) -> Result<FigureFile> {
 
 /// The section of an experiment.
 fn section(id: &str) -> Section {
-    let mut cards = fairing_experiments::experiments::ALL.iter().map(|e| e.card());
+    let mut cards = fairing_report::experiments::ALL.iter().map(|e| e.card());
     cards.find(|card| card.id == id).map(|card| card.section).unwrap_or_default()
 }
 
@@ -305,7 +305,7 @@ pub(crate) fn publish(folder: &Path) -> Result<()> {
         form: Form::Whole,
         experiments: vec![flows(folder)?, playful("q2"), playful("noise"), playful("denoisers")],
     };
-    fairing_report::publish(results, folder, Form::Whole)?;
+    fairing_report::page::publish(results, folder, Form::Whole)?;
     Ok(())
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use fairing_experiments::experiments;
-use fairing_reproduce::{Plan, reproduce};
-use fairing_results::results::Form;
+use fairing_report::experiments;
+use fairing_report::model::results::Form;
+use fairing_report::run::{Plan, reproduce};
 use libtest_mimic::Failed;
 
 use crate::Test;

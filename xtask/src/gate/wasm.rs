@@ -13,7 +13,7 @@ const EXCLUDED: [&str; 11] = [
     "fairing",
     "fairing-figure",
     "pyfairing",
-    "fairing-benchmark",
+    "fairing-bench",
     "fairing-experiments",
     "fairing-report",
     "fairing-reproduce",

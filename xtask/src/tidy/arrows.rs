@@ -50,7 +50,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("fairing-figure", &["fairing-watch", "fairing-parameters", "fairing-mesh"]),
     ("fairing-results", &["fairing-mesh"]),
     (
-        "fairing-benchmark",
+        "fairing-bench",
         &[
             "fairing-parameters",
             "fairing-mesh",
@@ -66,7 +66,6 @@ const ARROWS: [(&str, &[&str]); 17] = [
     (
         "fairing-experiments",
         &[
-            "fairing-benchmark",
             "fairing-mesh",
             "fairing-sparse",
             "fairing-operators",

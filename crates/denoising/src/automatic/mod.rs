@@ -18,6 +18,7 @@ mod spikes;
 mod stage;
 mod state;
 mod surface;
+#[cfg(feature = "training")]
 pub mod training;
 mod wide;
 

@@ -1,0 +1,338 @@
+//! The page about speed, `docs/speed.md`: a comparison with other libraries, measured elsewhere,
+//! and times over the number of vertices, measured here.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_figure::{Axis, Figure, Panel, Plot, Series};
+use fairing_mesh::io;
+use fairing_shapes::icosphere;
+use serde_json::Value;
+
+use crate::fresh::{Fresh, Times, median};
+
+/// A task over the number of vertices.
+struct Scaled {
+    /// The words of the table.
+    words: &'static str,
+    task: &'static str,
+    arguments: &'static [&'static str],
+    /// The finest sphere.
+    last: u32,
+}
+
+/// The spheres, by the number of times that the icosahedron is subdivided: 10 · 4ᵏ + 2 vertices.
+const LEVELS: std::ops::RangeInclusive<u32> = 6..=10;
+
+/// The finest sphere for tasks that are not linear in time or memory, with 2.6 million vertices.
+const FINEST: u32 = 9;
+
+const SCALED: [Scaled; 15] = [
+    Scaled { words: "read PLY", task: "load_ply", arguments: &[], last: 10 },
+    Scaled { words: "S and M", task: "laplacian", arguments: &[], last: FINEST },
+    Scaled { words: "H and K", task: "curvature", arguments: &[], last: 10 },
+    Scaled { words: "principal curvatures", task: "principal", arguments: &[], last: FINEST },
+    Scaled { words: "explicit, 50 steps", task: "explicit_uniform", arguments: FIFTY, last: 10 },
+    Scaled { words: "Taubin, 50 pairs", task: "taubin", arguments: FIFTY, last: FINEST },
+    Scaled { words: "implicit, uniform", task: "implicit_uniform", arguments: FIVE, last: 10 },
+    Scaled { words: "implicit, cotangents", task: "implicit_cotan", arguments: FIVE, last: 10 },
+    Scaled {
+        words: "implicit, 100 h²",
+        task: "implicit_cotan_stiff",
+        arguments: STIFF,
+        last: FINEST,
+    },
+    Scaled { words: "mean curvature flow", task: "implicit_mcf", arguments: FIVE, last: FINEST },
+    Scaled { words: "harmonic system", task: "harmonic", arguments: &["--k=1"], last: 8 },
+    Scaled { words: "biharmonic system", task: "harmonic", arguments: &["--k=2"], last: 8 },
+    Scaled { words: "triharmonic system", task: "harmonic", arguments: &["--k=3"], last: 8 },
+    Scaled { words: "15 eigenpairs", task: "eigs", arguments: &["--k=15"], last: FINEST },
+    Scaled { words: "denoising", task: "denoise", arguments: &[], last: 8 },
+];
+
+const FIFTY: &[&str] = &["--iters=50"];
+const FIVE: &[&str] = &["--lambda=5"];
+const STIFF: &[&str] = &["--lambda=100"];
+
+/// Noise of the spheres in mean edge lengths.
+const NOISE: f64 = 0.1;
+
+/// A task with its times at each size.
+struct Row {
+    words: &'static str,
+    /// Vertices and times.
+    times: Vec<(f64, Times)>,
+}
+
+/// Rates in GB/s, where they were measured.
+struct Rate {
+    vertices: f64,
+    triad: Option<f64>,
+    product: Option<f64>,
+}
+
+impl Row {
+    /// The slope of log t over log n, by least squares.
+    fn exponent(&self) -> Option<f64> {
+        let points: Vec<[f64; 2]> =
+            self.times.iter().map(|(n, t)| [libm::log(*n), libm::log(t.first)]).collect();
+        let count = points.len() as f64;
+        let mean = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / count);
+        let product = |a: usize, b: usize| {
+            points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>()
+        };
+        (points.len() > 1).then(|| product(0, 1) / product(0, 0))
+    }
+}
+
+/// Measures, and writes the page and its picture below `docs`.
+pub(crate) fn write(comparison: Option<&Path>, finest: u32) -> Result<()> {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let folder = std::env::temp_dir().join(format!("fairing-speed-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let measured = measured(&folder, finest);
+    fs::remove_dir_all(&folder)?;
+    let (rows, rates) = measured?;
+    let mut text = String::from(HEAD);
+    if let Some(path) = comparison {
+        let results =
+            fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+        text.push_str(&compared(&serde_json::from_str(&results)?)?);
+    }
+    text.push_str(&over_size(&rows));
+    text.push_str(&bandwidth(&rates));
+    fs::write(docs.join("pictures/scale.svg"), picture(&rows)?)?;
+    fs::write(docs.join("speed.md"), text)?;
+    Ok(())
+}
+
+const HEAD: &str = "# Speed
+
+`cargo xtask bench page` wrote this page. `cargo xtask bench TASK --in FILE` measures one task on your mesh.
+";
+
+/// Runs every task on every sphere, each in a process of its own.
+fn measured(folder: &Path, finest: u32) -> Result<(Vec<Row>, Vec<Rate>)> {
+    let mut rows: Vec<Row> =
+        SCALED.iter().map(|scaled| Row { words: scaled.words, times: vec![] }).collect();
+    let mut rates = vec![];
+    for level in LEVELS.filter(|level| *level <= finest) {
+        let path = sphere(folder, level)?;
+        let vertices = 10.0 * libm::pow(4.0, f64::from(level)) + 2.0;
+        for (row, scaled) in rows.iter_mut().zip(&SCALED) {
+            if level > scaled.last {
+                continue;
+            }
+            let process = Fresh::new(scaled.task, &path, scaled.arguments);
+            let count = if level < 8 { 3 } else { 1 };
+            let runs: Vec<Times> = (0..count).map(|_| process.run()).collect::<Result<_>>()?;
+            let first = median(runs.iter().map(|times| times.first).collect());
+            let times = Times { first, ..runs[0] };
+            eprintln!("{vertices:>9} vertices, {}: {:.3} s", scaled.words, times.first);
+            row.times.push((vertices, times));
+        }
+        if level <= FINEST {
+            let result = Fresh::new("bandwidth", &path, &[]).result()?;
+            let [triad, product] =
+                ["triad", "product"].map(|key| result["fingerprint"][key].as_f64());
+            rates.push(Rate { vertices, triad, product });
+        }
+        fs::remove_file(path)?;
+    }
+    Ok((rows, rates))
+}
+
+/// Writes a sphere with noise.
+fn sphere(folder: &Path, level: u32) -> Result<PathBuf> {
+    let noise = NoiseLevel::EdgeLengths(NOISE);
+    let mesh = add_noise(&icosphere(level), NoiseKind::GaussianAlongNormals, noise, 1)?;
+    let path = folder.join(format!("sphere{level}.ply"));
+    io::write(&path, &mesh)?;
+    Ok(path)
+}
+
+/// The words of the comparison's tasks.
+const COMPARED: [(&str, &str); 19] = [
+    ("load_obj", "read OBJ"),
+    ("load_ply", "read binary PLY"),
+    ("save_ply", "write binary PLY"),
+    ("laplacian", "S and M by cotangents"),
+    ("curvature", "H and K"),
+    ("explicit_uniform", "explicit, uniform, 50 steps"),
+    ("taubin", "Taubin, 50 pairs of steps"),
+    ("implicit_uniform", "implicit, uniform, λ = 5, 10 steps"),
+    ("implicit_cotan", "implicit, cotangents, 5 h², 10 steps"),
+    ("implicit_cotan_stiff", "implicit, cotangents, 100 h², 10 steps"),
+    ("implicit_mcf", "mean curvature flow, 5 h², 10 steps"),
+    ("metrics", "distances and normals both ways"),
+    ("end_to_end", "read OBJ, implicit, uniform, 10 steps, write PLY"),
+    ("eigs15", "15 eigenpairs"),
+    ("eigs100", "100 eigenpairs"),
+    ("eigs300", "300 eigenpairs"),
+    ("harmonic1", "harmonic system, factorised and solved"),
+    ("harmonic2", "biharmonic system, the same"),
+    ("harmonic3", "triharmonic system, the same"),
+];
+
+/// Ratios to the fastest of the others, from the results of a comparison: a list `results` of tasks
+/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`; and a
+/// `note` on how it was made, if there is one.
+fn compared(results: &Value) -> Result<String> {
+    let text = |value: &Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
+    let mut page = format!(
+        "\n## Against other libraries\n\nSeconds on {}, {}. The programs took turns, each with one thread and with two, \
+         and the better counts. “Best” is the least time of any run, “first” the median of the first runs of the \
+         processes, which is what one call of a program takes, without reading the file unless that is the task. Other \
+         programs count if their answer is the same, also if they check nothing: `from_chars` is a bare reader of OBJ, \
+         and numpy writes its arrays as they are.\n\n\
+         | Task | Mesh | Best | Best other | Ratio | First | Best other | Ratio |\n|---|---|--:|---|--:|--:|---|--:|\n",
+        text(results, "cpu"),
+        text(results, "when"),
+    );
+    for result in results["results"].as_array().context("the comparison has no results")? {
+        let rows = result["rows"].as_array().context("a task has no rows")?;
+        let Some(ours) = rows.iter().find(|r| r["ours"] == true && r["min"].is_f64()) else {
+            continue;
+        };
+        let task = text(result, "task");
+        let words = COMPARED.iter().find(|(name, _)| *name == task).map(|(_, words)| *words);
+        let words = words.with_context(|| format!("no words for the task {task}"))?;
+        let mut cells = vec![words.to_owned(), text(result, "mesh").replace('_', " ")];
+        for key in ["min", "cold_median"] {
+            let seconds = ours[key].as_f64().context("a row has no times")?;
+            let others = rows.iter().filter(|r| {
+                r["ours"] != true && r["same"] == true && !text(r, "agrees").starts_with("differs")
+            });
+            let best = others
+                .filter_map(|r| Some((r[key].as_f64()?, text(r, "name"))))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .with_context(|| format!("no other program has times of {task}"))?;
+            cells.push(rounded(seconds));
+            cells.push(format!("{} {}", rounded(best.0), best.1));
+            cells.push(format!("{:.2}", seconds / best.0));
+        }
+        let _ = writeln!(page, "| {} |", cells.join(" | "));
+    }
+    if let Some(note) = results["note"].as_str() {
+        let _ = writeln!(page, "\n{note}");
+    }
+    Ok(page)
+}
+
+/// The table of times over the number of vertices.
+fn over_size(rows: &[Row]) -> String {
+    let mut page = format!(
+        "\n## Over the number of vertices\n\nSeconds of a task in a process that does nothing else (the middle of three up to 170 thousand vertices, else one), on spheres with noise of {NOISE} h and twice as many faces as vertices, without reading the file unless that is the task; {}. Ten steps where nothing \
+         else is said; systems are assembled, factorised and solved for three columns, and the solution is refined. The \
+         exponent is the slope of the line of least squares through the logarithms; memory is the largest of the process \
+         at the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
+        machine(),
+    );
+    let most = rows.iter().max_by_key(|row| row.times.len());
+    let sizes: Vec<f64> = most.map_or(vec![], |row| row.times.iter().map(|(n, _)| *n).collect());
+    let heads: Vec<String> = sizes.iter().map(|n| thousands(*n)).collect();
+    let _ = writeln!(page, "| Task | {} | Exponent | Memory |", heads.join(" | "));
+    let _ = writeln!(page, "|---|{}--:|--:|", "--:|".repeat(sizes.len()));
+    for row in rows {
+        let mut cells = vec![row.words.to_owned()];
+        cells.extend((0..sizes.len()).map(|k| match row.times.get(k) {
+            Some((_, times)) => rounded(times.first),
+            None => "–".into(),
+        }));
+        cells.push(row.exponent().map_or("–".into(), |p| format!("{p:.2}")));
+        let memory = row.times.last().and_then(|(_, times)| times.megabytes);
+        cells.push(memory.map_or("–".into(), |mb| format!("{:.2} GB", mb / 1024.0)));
+        let _ = writeln!(page, "| {} |", cells.join(" | "));
+    }
+    page
+}
+
+/// The table of the rates of a product with S and of a triad.
+fn bandwidth(rates: &[Rate]) -> String {
+    let mut page = String::from(
+        "\n## Share of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its rate counts \
+         values, columns and row starts of S, and every position once in and once out; the triad a = b + s c is that of \
+         STREAM, on arrays of 64 MB, in the same process. A rate above the triad's means that a cache held part of the \
+         matrix.\n\n| Vertices | S times three columns, GB/s | Triad, GB/s | Share |\n|--:|--:|--:|--:|\n",
+    );
+    for Rate { vertices, triad, product } in rates {
+        if let (Some(triad), Some(product)) = (triad, product) {
+            let (vertices, share) = (thousands(*vertices), 100.0 * product / triad);
+            let _ = writeln!(page, "| {vertices} | {product:.1} | {triad:.1} | {share:.0} % |");
+        }
+    }
+    page
+}
+
+/// Log–log lines of all tasks.
+fn picture(rows: &[Row]) -> Result<String> {
+    let mut plot = Plot { x: Axis::log("vertices"), y: Axis::log("seconds"), ..Plot::default() };
+    for row in rows {
+        let points = row.times.iter().map(|(n, times)| [*n, times.first]).collect();
+        plot.series.push(Series::marked(row.words, points));
+    }
+    let panels = vec![Panel::drawing(plot.draw(760.0, 460.0)?)];
+    Ok(Figure { panels, columns: 1, ..Figure::default() }.to_svg()?)
+}
+
+/// Processors and threads, in the words of the system.
+fn machine() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':'));
+    let name = name.map_or("a processor that the system does not name", |(_, name)| name.trim());
+    format!("{name}, {} threads", rayon::current_num_threads())
+}
+
+/// Three digits.
+fn rounded(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.1 => format!("{s:.4}"),
+        s if s < 1.0 => format!("{s:.3}"),
+        s if s < 10.0 => format!("{s:.2}"),
+        s => format!("{s:.1}"),
+    }
+}
+
+/// `164 000` as `164k`, and `2 621 442` as `2.6M`.
+fn thousands(count: f64) -> String {
+    match count {
+        n if n < 1e6 => format!("{:.0}k", n / 1e3),
+        n => format!("{:.1}M", n / 1e6),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::*;
+
+    #[test]
+    fn the_exponent_of_a_power_is_found() {
+        let time = |n: f64| Times { first: libm::pow(n, 1.2), megabytes: None };
+        let times = [10.0, 40.0, 160.0].map(|n| (n, time(n))).to_vec();
+        let row = Row { words: "", times };
+        assert!((row.exponent().unwrap() - 1.2).abs() < 1e-12);
+        assert!(over_size(&[row]).contains("| 1.20 | – |"));
+    }
+
+    #[test]
+    fn a_comparison_names_the_fastest_that_agrees() {
+        let results = serde_json::json!({"cpu": "P", "when": "today", "note": "Alone.", "results": [{
+        "task": "curvature", "mesh": "sphere_160k", "rows": [
+            {"name": "ours", "ours": true, "min": 0.5, "cold_median": 1.0},
+            {"name": "wrong", "min": 0.1, "cold_median": 0.1, "same": true, "agrees": "differs 1e-1"},
+            {"name": "a", "min": 2.0, "cold_median": 2.0, "same": true, "agrees": "yes"},
+            {"name": "b", "min": 1.0, "cold_median": 4.0, "same": true, "floor": false, "agrees": "yes"},
+        ]}]});
+        let page = compared(&results).unwrap();
+        assert!(
+            page.contains(
+                "| H and K | sphere 160k | 0.500 | 1.00 b | 0.50 | 1.00 | 2.00 a | 0.50 |"
+            ),
+            "{page}"
+        );
+        assert!(page.ends_with("\n\nAlone.\n"), "{page}");
+    }
+}

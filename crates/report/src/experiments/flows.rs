@@ -1,0 +1,347 @@
+//! Beyond the questions: flows compared with theory, and all of them beside each other.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{
+    NoiseKind, NoiseLevel, add_noise, drift, normal_error, observed_orders, vertex_distance,
+};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
+use fairing_mesh::TriMesh;
+use fairing_operators::{LaplacianKind, LumpedArea};
+use fairing_shapes as shapes;
+use fairing_smoothing::{Diffusion, Implicit, Method, Time, Update, implicit};
+use fairing_sparse::{larger, smaller};
+use glam::DVec3;
+
+use super::conformal;
+use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::refinement::{between, second_order};
+use super::seen;
+use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::{Card, Context, Experiment};
+use crate::model::section::{Act, Section};
+use crate::model::table::{Table, Tables, Unit, brief};
+use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
+use crate::model::view::{Panel, Slider, View};
+use crate::row;
+
+pub(super) struct Flows;
+
+/// The time at which spheres are measured; their radius is then √(1 − 4t).
+const END: f64 = 0.1;
+
+/// The noise of the comparison in mean edge lengths.
+const SIGMA: f64 = 0.2;
+
+/// A shape this close to its best sphere is round: the error of the discrete operator on coarse
+/// meshes.
+const ROUND: f64 = 0.02;
+
+/// The section of the article.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "Diffusion with uniform weights is one flow of many. Those with cotangents have a limit that \
+                can be computed, and some give the volume back.",
+    )
+    .commands(&["fairing smooth noisy.ply -o shrunk.ply --method implicit --weights cotangent --lambda 1", "fairing smooth noisy.ply -o kept.ply --method taubin  # keeps the volume", "fairing compare kept.ply truth.ply"])
+    .edge_lengths_of("each sphere without noise")
+    .sources(&["desbrun1999", "kazhdan2012", "taubin1995", "taubin1996", "vollmer1999"])
+    .notation(&["x", "X", "H", "K", "n", "\\Delta", "t", "r"])
+    .shows(&["methods-view"], &[])
+    .names(&[("radius", "the radius of a shrinking sphere"), ("conformal-view", "a bumpy sphere that becomes round"), ("methods", "scores of all methods"), ("conformal", "conformalised flow"), ("spheres", "mean curvature flow of the sphere")])
+}
+
+impl Experiment for Flows {
+    fn card(&self) -> Card {
+        Card {
+            id: "flows",
+            title: "Flows against theory, and beside each other",
+            question: "Do the flows converge to what they discretise, and what does each cost in shape?".into(),
+            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with the exact radius r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
+            inputs: &[],
+            parameters: vec![
+                ("time of the spheres", END.to_string()),
+                ("noise of the comparison", format!("{SIGMA} mean edge lengths, along normals")),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let spheres = spheres(context.choose(4, 3))?;
+        outcome.figures.push(radius(&spheres)?);
+        outcome.tables.push(spheres);
+        context.progress(0.4, "conformal flow");
+        outcome.tables.push(conformal::table(context.choose(&[3, 4, 5], &[3, 4]))?);
+        let (round, rounding) = conformal::pictures(context)?;
+        outcome.figures.push(round);
+        context.progress(0.7, "methods");
+        let (table, picture) = methods(context)?;
+        outcome.tables.push(table);
+        outcome.figures.push(picture);
+        outcome.views.extend([view(context)?, rounding]);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let orders = tables.get("spheres")?.numbers("order")?;
+        let least = orders.iter().copied().fold(f64::INFINITY, smaller);
+        let most = orders.iter().copied().fold(0.0, larger);
+        let second = least > 1.8 && most < 2.2;
+        let orders = between(least, most);
+        let left = tables.get("conformal")?.column("off the sphere after")?;
+        let worst = left.iter().copied().fold(0.0, larger);
+        let methods = tables.get("methods")?;
+        let of = |method: &str, column: &str| methods.value(&[("method", method.into())], column);
+        let plain = of("implicit", "volume")?.abs();
+        let keeping = ["taubin", "windowed-sinc", "hc"];
+        let mut lost = 0.0f64;
+        for method in keeping {
+            lost = lost.max(of(method, "volume")?.abs());
+        }
+        let judge = |holds| if holds { Verdict::Confirmed } else { Verdict::Refuted };
+        Ok(vec![
+            Judgement::new(
+                "mean-curvature",
+                "Mean curvature flow converges to that of the sphere with second order",
+                judge(second),
+                format!("The observed order of the radius is {orders}."),
+            )
+            .finding(format!("The observed order is {orders}."))
+            .ours()
+            .shown(Shown::line("flows", "radius", "unit sphere"))
+            .number("least order", least, Unit::Order)
+            .number("greatest order", most, Unit::Order),
+            Judgement::new(
+                "conformal",
+                "Conformalised mean curvature flow turns sphere-like meshes into round spheres",
+                judge(worst < ROUND),
+                format!("When it settles, no vertex of the bumpy spheres is off the mean sphere by more than {} % of its radius.", brief(100.0 * worst)),
+            )
+            .finding(format!("On bumpy spheres no vertex ends farther from the mean sphere than {} % of its radius.", brief(100.0 * worst)))
+            .ours()
+            .shown(Shown::view("flows", conformal::VIEW, &ViewState::at(&[conformal::STOPS.len() - 1])))
+            .number("farthest off the sphere", worst, Unit::Relative),
+            Judgement::new(
+                "volume",
+                "Taubin's steps, the windowed sinc filter and HC keep the volume that diffusion loses",
+                judge(lost < 0.2 * plain),
+                format!(
+                    "On the bumpy sphere of the table they change the volume by at most {} %, implicit diffusion by {} %.",
+                    brief(lost),
+                    brief(plain),
+                ),
+            )
+            .finding(format!("On a bumpy sphere they change the volume by at most {} %, implicit diffusion by {} %.", brief(lost), brief(plain)))
+            .ours()
+            .shown(Shown::view("flows", "methods-view", &ViewState::at(&[stop("taubin")]).field("distance off the truth")))
+            .number("largest change of the three", lost, Unit::Percent)
+            .number("change by implicit diffusion", plain, Unit::Percent),
+        ])
+    }
+}
+
+/// Mean curvature flow of the unit sphere.
+fn spheres(finest: u32) -> Result<Table> {
+    let mut table = Table::new(
+        "spheres",
+        "The mean radius of the unit sphere at the end of mean curvature flow beside √(1 − 4t), and the order observed between each mesh and the one before.",
+        &[
+            ("h", Unit::Length),
+            ("steps", Unit::Count),
+            ("radius", Unit::Length),
+            ("exact", Unit::Length),
+            ("error", Unit::Length),
+            ("order", Unit::Order),
+        ],
+    );
+    let exact = (1.0 - 4.0 * END).sqrt();
+    let (mut h, mut steps, mut radii) = (vec![], vec![], vec![]);
+    for level in 2..=finest {
+        let sphere = shapes::icosphere(level);
+        let count = 10usize << (2 * (level - 2));
+        let options = Implicit {
+            iterations: count,
+            update: Update::Both,
+            tolerance: 1e-11,
+            ..Implicit::new(Diffusion::Cotangent {
+                time: Time::SquaredUnits(END / count as f64),
+                kind: LaplacianKind::Auto,
+                area: LumpedArea::Barycentric,
+            })
+        };
+        let shrunk = implicit(&sphere, &options, None)?.mesh;
+        let sum: f64 = shrunk.positions().iter().map(|&p| DVec3::from(p).length()).sum();
+        h.push(sphere.mean_edge_length());
+        steps.push(count);
+        radii.push(sum / shrunk.vertex_count() as f64);
+    }
+    let error: Vec<f64> = radii.iter().map(|r| (r - exact).abs()).collect();
+    let orders = observed_orders(&h, &error);
+    for i in 0..h.len() {
+        // The coarsest mesh has nothing to be compared with.
+        let order = (i > 0).then(|| orders[i - 1]);
+        table.push(row![h[i], steps[i], radii[i], exact, error[i], order]);
+    }
+    Ok(table)
+}
+
+/// The error of the radius over h.
+fn radius(spheres: &Table) -> Result<Picture> {
+    let points = spheres.column("h")?.into_iter().zip(spheres.column("error")?);
+    let mut plot = Plot {
+        x: Axis::log("mean edge length h"),
+        y: Axis::log("error of the radius"),
+        series: vec![Series::marked("unit sphere", points.map(<[f64; 2]>::from).collect())],
+        ..Plot::default()
+    };
+    plot.series.extend(second_order(&plot.series));
+    let to_see = match spheres.numbers("order")?.iter().all(|order| (1.8..2.2).contains(order)) {
+        true => "The line is as steep as the dashed one",
+        false => "The line is not as steep as the dashed one",
+    };
+    let mut figure = Figure::default();
+    figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
+    plotted(
+        &figure,
+        "radius",
+        &format!(
+            "{to_see}: at second order half the edge length leaves a quarter of the error. The error of the radius of the unit sphere under mean curvature flow, against √(1 − 4t), with time steps in proportion to h²."
+        ),
+        "A plot of error over mean edge length on logarithmic axes, with a dashed line of second order.",
+    )
+}
+
+/// A bumpy sphere, and by name the same with noise and after every method with its default options.
+fn restored(context: &Context<'_>, level: u32) -> Result<(TriMesh, Vec<(String, TriMesh)>)> {
+    let truth = shapes::bumpy_sphere(level, 0.1, 5.0);
+    let sigma = NoiseLevel::EdgeLengths(SIGMA);
+    let seed = context.seed("methods");
+    let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, sigma, seed)?;
+    let mut results = vec![("input".to_string(), noisy.clone())];
+    for method in compared() {
+        results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
+    }
+    Ok((truth, results))
+}
+
+/// The methods that are compared; the others serve other purposes.
+fn compared() -> impl Iterator<Item = Method> {
+    let others =
+        |method: &Method| matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_));
+    Method::all().into_iter().filter(move |method| !others(method))
+}
+
+/// The stop of a method in the view.
+fn stop(name: &str) -> usize {
+    compared().position(|method| method.name() == name).unwrap_or_default()
+}
+
+/// The noisy mesh, the result of each method, and the truth: the meshes of the table.
+fn view(context: &Context<'_>) -> Result<View> {
+    let (truth, mut results) = restored(context, context.choose(4, 3))?;
+    let (_, noisy) = results.remove(0);
+    let facts = |panel: Panel, meshes: &[&TriMesh]| -> Result<Panel> {
+        let (mut angles, mut volumes) = (vec![], vec![]);
+        for mesh in meshes {
+            angles.push(Some(normal_error(mesh, &truth)?.mean));
+            volumes.push(drift(mesh, &truth).volume.map(|volume| 100.0 * volume));
+        }
+        Ok(panel.with_fact("normal error", "°", angles).with_fact("volume", "%", volumes))
+    };
+    // The body is star-shaped about the origin.
+    let inside = |method: &str| -> Result<f64> {
+        let found = results.iter().find(|(name, _)| name == method);
+        let (_, mesh) = found.with_context(|| format!("there is no {method}"))?;
+        let pairs = mesh.positions().iter().zip(truth.positions());
+        let within =
+            |(p, q): &(&[f64; 3], &[f64; 3])| DVec3::from(**p).length() < DVec3::from(**q).length();
+        Ok((100.0 * pairs.filter(within).count() as f64 / truth.vertex_count() as f64).round())
+    };
+    let meshes: Vec<&TriMesh> = results.iter().map(|(_, mesh)| mesh).collect();
+    let after = Panel::moving("result", &truth, meshes.iter().map(|mesh| mesh.positions()));
+    Ok(View {
+        id: "methods-view".into(),
+        mesh: "bumpy sphere".into(),
+        caption: format!(
+            "Red is outside the true surface, blue inside. After implicit diffusion {} % of the vertices are inside, after Taubin's steps {} %: diffusion shrinks. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            brief(inside("implicit")?),
+            brief(inside("taubin")?),
+            truth.vertex_count()
+        ),
+        alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),
+        fallback: "methods".into(),
+        z_up: true,
+        sliders: vec![Slider::new("method", results.iter().map(|(name, _)| name))],
+        start: vec![stop("implicit")],
+        color: Some("distance off the truth".into()),
+        panels: vec![
+            facts(Panel::still("noisy input", &noisy), &[&noisy])?,
+            facts(after, &meshes)?,
+            Panel::still("truth", &truth),
+        ],
+        from: Some(0),
+        truth: Some(truth.positions().to_vec()),
+    })
+}
+
+/// Every method with its default options on one noisy mesh.
+fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
+    let mut table = Table::new(
+        "methods",
+        "Every method with its default options on a bumpy sphere with noise; the volume is compared with that of the truth.",
+        &[
+            ("method", Unit::Label),
+            ("normal error", Unit::Degrees),
+            ("vertex error", Unit::EdgeLengths),
+            ("volume", Unit::Percent),
+        ],
+    );
+    let (truth, results) = restored(context, context.choose(4, 3))?;
+    let h = truth.mean_edge_length();
+    for (name, mesh) in &results {
+        let volume = drift(mesh, &truth).volume.context("a closed mesh without a volume")?;
+        table.push(row![
+            name.as_str(),
+            normal_error(mesh, &truth)?.mean,
+            vertex_distance(mesh, &truth)?.mean / h,
+            100.0 * volume,
+        ]);
+    }
+    let shown = ["input", "implicit", "mean-curvature", "taubin", "hc"];
+    let looks = results.iter().filter(|(name, _)| shown.contains(&name.as_str()));
+    let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
+        "methods",
+        &format!("{} A bumpy sphere with noise, and after some of the methods with their default options.", volumes(&table, &shown)?),
+        "Five pictures: a rough sphere with bumps, and after four methods.",
+    )?;
+    Ok((table, picture))
+}
+
+/// The volumes after some methods, as a sentence.
+fn volumes(table: &Table, methods: &[&str]) -> Result<String> {
+    let (mut shrunk, mut kept) = (vec![], vec![]);
+    for &method in methods.iter().filter(|name| **name != "input") {
+        let change = table.value(&[("method", method.into())], "volume")?;
+        let words = format!("{method} ({} %)", brief(change));
+        if change < -VISIBLE { shrunk.push(words) } else { kept.push(words) }
+    }
+    Ok(match (shrunk.is_empty(), kept.is_empty()) {
+        (false, false) => format!(
+            "After {} the sphere has shrunk; after {} it has kept its volume.",
+            seen::list(&shrunk),
+            seen::list(&kept)
+        ),
+        (false, true) => format!("It has shrunk after every method: {}.", seen::list(&shrunk)),
+        _ => format!("It has kept its volume after every method: {}.", seen::list(&kept)),
+    })
+}
+
+/// A loss of volume above this is visible, in percent.
+const VISIBLE: f64 = 5.0;
+
+const FORMULAS: [&str; 1] =
+    [r"\frac{\partial x}{\partial t} = \Delta x = -2Hn, \qquad r(t) = \sqrt{r_0^2 - 4t}"];

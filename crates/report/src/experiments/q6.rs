@@ -1,0 +1,473 @@
+//! Question 6: implicit diffusion.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use fairing_evaluation::vertex_displacement;
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
+use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
+use fairing_sparse::larger;
+use glam::DVec3;
+
+use super::models::Model;
+use super::over_lambda::{self, Favourites, OverLambda, SWEPT, SWEPT_MESHES};
+use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::{Card, Context, Experiment};
+use crate::model::section::{Act, Section};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
+use crate::row;
+
+pub(super) struct ImplicitFlow;
+
+/// The steps of the assignment.
+const LAMBDAS: [f64; 6] = [0.01, 0.05, 0.1, 2.0, 10.0, 100.0];
+
+/// Its number of iterations.
+const ITERATIONS: usize = 50;
+
+/// The best λ of the report, and the one it compares iterations with.
+const CLAIMED: f64 = 5.0;
+
+/// The best explicit step of the report.
+const REPORT: f64 = 0.05;
+
+/// The numbers of iterations that the report compares.
+const COMPARED: [usize; 2] = [10, ITERATIONS];
+
+/// The explicit step that is taken for comparisons at equal time.
+const EXPLICIT: f64 = 0.5;
+
+/// The λ at which displacements are examined.
+const MOVED: f64 = LAMBDAS[4];
+
+/// The number of explicit steps that take as long as the smaller of the two numbers of implicit
+/// steps compared.
+const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
+
+/// A growth of the diagonal above one by more than this is an instability, not rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// An RMS displacement below this, in mean edge lengths, is invisible.
+const INVISIBLE: f64 = 0.05;
+
+/// The section of the article.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "Implicit steps divide instead of multiplying, and every step is stable. Whether long steps are \
+                useful is another question.",
+    )
+    .commands(&["fairing smooth noisy.ply -o smooth.ply --method implicit --lambda 5 --iterations 10", "fairing compare smooth.ply truth.ply"])
+    .edge_lengths_of("the mesh without noise, the truth")
+    .sources(&["desbrun1999"])
+    .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
+    .shows(&["sweep", "machine-part"], &[])
+    .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part, to turn and to smooth"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
+}
+
+impl Experiment for ImplicitFlow {
+    fn card(&self) -> Card {
+        let [few, many] = COMPARED;
+        Card {
+            id: "q6",
+            title: "Implicit smoothing",
+            question: "Implicit diffusion (I − λL)x' = x (Desbrun et al. 1999, eq. 9): what do λ and the number of iterations do, and how does it compare with explicit steps?".into(),
+            method: format!(
+                "Each step solves a linear system whose matrix, D − λ(W − D), is symmetric and positive definite. Each mode is divided by 1 − λμ ≥ 1, so that every λ is stable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance q lies q²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −q²/(2r²), with q² the mean squared edge length. So s steps multiply the radius by (1 + λq²/(2r²))⁻ˢ, and the volume by its cube.",
+                LAMBDAS.len()
+            ),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
+            inputs: over_lambda::INPUTS,
+            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let models = Model::all(context)?;
+        let flow = OverLambda {
+            kind: "implicit",
+            lambdas: &LAMBDAS,
+            iterations: ITERATIONS,
+            viewed: LAMBDAS.len(),
+            run: Model::implicit,
+        };
+        let table = flow.measure(context, &models, &mut outcome)?;
+        context.progress(0.5, "sweep");
+        let sweep = sweep(context, &models)?;
+        let best = Favourites::of(&sweep)?;
+        let to_see = match best.surface.iter().all(|best| best.lambda < CLAIMED) {
+            true => format!(
+                " The surface error rises again long before λ = {CLAIMED}, which the original report recommends."
+            ),
+            false => String::new(),
+        };
+        let caption = format!(
+            "{}{to_see} Errors after {ITERATIONS} implicit steps over λ, as long as there is a shape left.",
+            over_lambda::seen_in_plot(&best)
+        );
+        outcome.figures.push(over_lambda::plot(&sweep, over_lambda::IMPLICIT, &caption)?);
+        context.progress(0.7, "iterations");
+        for model in models.iter().filter(|m| m.name == "machine part") {
+            outcome.figures.push(over_iterations(model)?);
+        }
+        outcome.tables.extend([
+            table,
+            sweep,
+            iterations(&models)?,
+            limit(&models)?,
+            spheres(context)?,
+            cost(&models)?,
+        ]);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        Ok(vec![stability(tables)?, convergence(tables)?])
+    }
+}
+
+/// Claim 6a in words.
+const STABLE_AND_BEST: &str =
+    "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
+
+/// Claim 6a.
+fn stability(tables: Tables<'_>) -> Result<Judgement> {
+    let flows = tables.get("flows")?;
+    let of = |mesh: &str, lambda: f64, column: &str| {
+        flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
+    };
+    // Without a step nothing grows or shrinks.
+    let growths = flows.column("lambda")?.into_iter().zip(flows.column("growth")?);
+    let growth = growths.filter(|(lambda, _)| *lambda > 0.0).map(|(_, g)| g).fold(0.0, larger);
+    let stable = growth <= 1.0 + ROUNDING;
+    let inside = of("patch", MOVED, "displacement inside")?;
+    let border = of("patch", MOVED, "displacement of the border")?;
+    let closed = of("machine part", MOVED, "displacement")?;
+    let volume = of("machine part", MOVED, "volume")?;
+    let only_edges = inside < INVISIBLE && closed < INVISIBLE;
+    let sweep = tables.get("sweep")?;
+    let swept = Favourites::of(sweep)?;
+    let best = swept.surface.map(|best| best.lambda);
+    let blind = swept.normals[0].lambda;
+    let area = sweep.value(&[("mesh", "patch".into()), ("lambda", blind.into())], "area")?;
+    // Within a factor of two of the claim on both meshes.
+    let about = best.iter().all(|l| (0.5..=2.0).contains(&(l / CLAIMED)));
+    let verdict = match (stable, only_edges, about) {
+        (true, true, true) => Verdict::Confirmed,
+        (false, false, false) => Verdict::Refuted,
+        _ => Verdict::Qualified,
+    };
+    let reason = format!(
+        "Implicit smoothing {}: over all λ above zero the diagonal is at most {} times as long after a run as before. {} At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
+        if stable { "is stable" } else { "is not stable" },
+        brief(growth),
+        if only_edges { "Only the edges deform." } else { "But not only the edges deform." },
+        brief(border),
+        brief(inside),
+        brief(closed),
+        brief(volume),
+        swept.words(ITERATIONS),
+        brief(blind),
+        brief(area),
+    );
+    let finding = format!(
+        "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}, diffusion times {} and {}; the normals of the machine part at λ = {}.",
+        if stable { "are stable at every λ" } else { "are not always stable" },
+        if only_edges { "only edges move" } else { "the whole shape shrinks, not the edges alone" },
+        brief(best[0]),
+        brief(best[1]),
+        brief(best[0] * ITERATIONS as f64),
+        brief(best[1] * ITERATIONS as f64),
+        brief(swept.normals[1].lambda),
+    );
+    let state = ViewState::at(&[4, 1]).field("displacement");
+    Ok(Judgement::new("6a", STABLE_AND_BEST, verdict, reason)
+        .finding(finding)
+        .shown(Shown::view("q6", "machine-part-view", &state))
+        .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
+        .number("largest growth", growth, Unit::One)
+        .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)
+        .number(&format!("inside of the patch at λ = {MOVED}"), inside, Unit::EdgeLengths)
+        .number(&format!("machine part at λ = {MOVED}"), closed, Unit::EdgeLengths)
+        .number("best λ on the patch, surface error", best[0], Unit::One)
+        .number("on the machine part", best[1], Unit::One)
+        .number("on the machine part, normal error", swept.normals[1].lambda, Unit::One))
+}
+
+/// Claim 6b.
+fn convergence(tables: Tables<'_>) -> Result<Judgement> {
+    let table = tables.get("iterations")?;
+    let [few, many] = COMPARED;
+    let (mut least, mut apart, mut ratio) = (f64::INFINITY, 0.0f64, 0.0f64);
+    for mesh in SWEPT_MESHES {
+        let of = |flow: &str, n: usize, lambda: f64, column: &str| {
+            let row = [
+                ("mesh", Cell::from(mesh)),
+                ("flow", flow.into()),
+                ("iterations", n.into()),
+                ("lambda", lambda.into()),
+            ];
+            table.value(&row, column)
+        };
+        let still = of("implicit", many, CLAIMED, "from 10 implicit steps")?;
+        let gap = of("explicit", EQUAL, EXPLICIT, "from 10 implicit steps")?;
+        least = least.min(still);
+        apart = apart.max(gap);
+        ratio = ratio.max(gap / still);
+    }
+    let converged = least < INVISIBLE;
+    let explains = ratio < 0.5;
+    let verdict = match (converged, explains) {
+        (true, false) => Verdict::Confirmed,
+        (false, true) => Verdict::Refuted,
+        _ => Verdict::Qualified,
+    };
+    let reason = format!(
+        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} % of that distance. What looked like convergence was a longer diffusion: in the original report {} units of time beside {}.",
+        brief(least),
+        brief(apart),
+        brief(100.0 * ratio),
+        brief(few as f64 * CLAIMED),
+        brief(few as f64 * REPORT),
+    );
+    let claim = "Implicit smoothing has converged after 10 iterations, explicit has not";
+    let finding = format!(
+        "From {few} to {many} implicit steps the patch and the machine part still move by at least {} edge lengths. At equal diffusion time both flows are at most {} edge lengths apart.",
+        brief(least),
+        brief(apart)
+    );
+    Ok(Judgement::new("6b", claim, verdict, reason)
+        .finding(finding)
+        .shown(Shown::playground("diffusion", &[&0.5, &50]))
+        .number(
+            &format!("movement from {few} to {many} implicit steps, at least"),
+            least,
+            Unit::EdgeLengths,
+        )
+        .number("implicit against explicit at equal time, at most", apart, Unit::EdgeLengths)
+        .number("the largest ratio of the two", ratio, Unit::One))
+}
+
+/// Errors over a fine range of λ.
+fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
+    let mut table =
+        Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
+    let count = context.choose(49, 13);
+    let lambda = |i: usize| 1e-4 * libm::pow(1e8, i as f64 / (count - 1) as f64);
+    let lambdas: Vec<f64> = (0..count).map(lambda).collect();
+    over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
+    Ok(table)
+}
+
+/// Implicit beside explicit, at equal counts and at equal time.
+fn iterations(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "iterations",
+        &format!("Implicit steps of {CLAIMED} beside explicit steps of the same number ({CLAIMED} diverges; {REPORT} is the original report's) and explicit steps of {EXPLICIT} for the same time nλ. The last columns are RMS distances, vertex by vertex, from the meshes after {} and {} implicit steps.", COMPARED[0], COMPARED[1]),
+        &[
+            ("mesh", Unit::Label),
+            ("flow", Unit::Label),
+            ("lambda", Unit::One),
+            ("iterations", Unit::Count),
+            ("time", Unit::One),
+            ("normal error", Unit::Degrees),
+            ("vertex error", Unit::EdgeLengths),
+            ("growth", Unit::One),
+            ("from 10 implicit steps", Unit::EdgeLengths),
+            ("from 50 implicit steps", Unit::EdgeLengths),
+        ],
+    )
+    .tolerance("normal error", Some(Tolerance::LOOSE))
+    .tolerance("vertex error", Some(Tolerance::LOOSE))
+    .tolerance("growth", Some(Tolerance::LOOSE))
+    .tolerance("from 10 implicit steps", Some(Tolerance::LOOSE))
+    .tolerance("from 50 implicit steps", Some(Tolerance::LOOSE))
+    .aside(&["normal error", "vertex error", "growth"]);
+    for model in models {
+        let [few, many] = COMPARED;
+        let references = [model.implicit(CLAIMED, few)?.mesh, model.implicit(CLAIMED, many)?.mesh];
+        let runs = [
+            ("implicit", CLAIMED, few),
+            ("implicit", CLAIMED, many),
+            ("implicit", CLAIMED, 500),
+            // Diverges: after many steps no mesh has the extent.
+            ("explicit", CLAIMED, few),
+            ("explicit", REPORT, few),
+            ("explicit", REPORT, many),
+            ("explicit", EXPLICIT, few),
+            ("explicit", EXPLICIT, many),
+            ("explicit", EXPLICIT, EQUAL),
+            ("explicit", EXPLICIT, 500),
+        ];
+        for (flow, lambda, n) in runs {
+            let mesh = match flow {
+                "implicit" => model.implicit(lambda, n)?.mesh,
+                _ => model.explicit(lambda, n)?.mesh,
+            };
+            let m = model.measure(&mesh)?;
+            let [a, b] = [0, 1].map(|i| vertex_displacement(&mesh, &references[i]));
+            table.push(row![
+                model.name,
+                flow,
+                lambda,
+                n,
+                lambda * n as f64,
+                m.normal,
+                m.vertex,
+                m.growth,
+                a?.rms / model.h(),
+                b?.rms / model.h(),
+            ]);
+        }
+    }
+    Ok(table)
+}
+
+/// Result of a single step of growing λ.
+fn limit(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "limit",
+        "One implicit step of growing λ: the root mean square distance of the vertices from the centroid of the input, weighted by degrees, over that of the input. It falls as 1/λ: collapse to a point.",
+        &[("mesh", Unit::Label), ("lambda", Unit::One), ("left", Unit::Relative)],
+    );
+    for model in models {
+        let topology = model.noisy.topology();
+        let degree: Vec<f64> = (0..model.noisy.vertex_count() as u32)
+            .map(|v| topology.neighbors(v).len() as f64)
+            .collect();
+        let total: f64 = degree.iter().sum();
+        let weighted =
+            model.noisy.positions().iter().zip(&degree).map(|(&p, &d)| d * DVec3::from(p));
+        let centre = weighted.sum::<DVec3>() * (1.0 / total);
+        let spread = |mesh: &TriMesh| {
+            let squares = mesh.positions().iter().map(|&p| centre.distance_squared(p.into()));
+            (squares.sum::<f64>() / degree.len() as f64).sqrt()
+        };
+        for exponent in [2, 4, 6, 8] {
+            let lambda = 10f64.powi(exponent);
+            let mesh = model.implicit(lambda, 1)?.mesh;
+            table.push(row![model.name, lambda, spread(&mesh) / spread(&model.noisy)]);
+        }
+    }
+    Ok(table.tolerance("left", Some(Tolerance::LOOSE)))
+}
+
+/// Shrinking spheres, beside theory.
+fn spheres(context: &Context<'_>) -> Result<Table> {
+    let mut table = Table::new(
+        "spheres",
+        "The volume of unit spheres after implicit steps, as a share of that before, beside (1 + λq²/(2r²))⁻³ˢ, q² the mean squared edge length.",
+        &[
+            ("level", Unit::Count),
+            ("lambda", Unit::One),
+            ("iterations", Unit::Count),
+            ("volume left", Unit::Relative),
+            ("predicted", Unit::Relative),
+        ],
+    );
+    for level in context.choose([3u32, 4, 5], [2, 3, 4]) {
+        let sphere = shapes::icosphere(level);
+        let x = sphere.positions();
+        let edges = sphere.topology().edges();
+        let squares = edges.iter().map(|edge| {
+            let [a, b] = edge.map(|v| DVec3::from(x[v as usize]));
+            a.distance_squared(b)
+        });
+        let h2 = squares.sum::<f64>() / edges.len() as f64;
+        for (lambda, n) in [(5.0, 10), (5.0, 50), (100.0, 10)] {
+            let options = Implicit { iterations: n, ..Implicit::new(Diffusion::uniform(lambda)) };
+            let after = implicit(&sphere, &options, None)?.mesh;
+            // μ = −q²/2 for the coordinates of a unit sphere.
+            let predicted = (1.0 + lambda * h2 / 2.0).powi(-3 * n as i32);
+            let left = after.signed_volume() / sphere.signed_volume();
+            table.push(row![level as usize, lambda, n, left, predicted]);
+        }
+    }
+    Ok(table)
+}
+
+/// Time and work.
+fn cost(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "cost",
+        &format!(
+            "Cost of {ITERATIONS} steps computed in one go: products with the Laplacian, and time for each step. A Chebyshev polynomial applies all {ITERATIONS} steps together."
+        ),
+        &[
+            ("mesh", Unit::Label),
+            ("vertices", Unit::Count),
+            ("flow", Unit::Label),
+            ("lambda", Unit::One),
+            ("products", Unit::Count),
+            ("time for each step", Unit::Seconds),
+        ],
+    );
+    for model in models {
+        for (flow, lambda) in [
+            ("explicit", 0.05),
+            ("explicit", EXPLICIT),
+            ("implicit", 0.05),
+            ("implicit", CLAIMED),
+            ("implicit", 100.0),
+        ] {
+            let start = Instant::now();
+            let smoothed = match flow {
+                "explicit" => model.explicit(lambda, ITERATIONS)?,
+                _ => model.implicit(lambda, ITERATIONS)?,
+            };
+            let seconds = start.elapsed().as_secs_f64() / ITERATIONS as f64;
+            let products = match smoothed.report.approach {
+                Approach::Series { degree } => degree,
+                Approach::ConjugateGradients { iterations } => iterations,
+                _ => ITERATIONS,
+            };
+            let n = model.noisy.vertex_count();
+            table.push(row![model.name, n, flow, lambda, products, seconds]);
+        }
+    }
+    Ok(table)
+}
+
+/// Implicit steps beside explicit steps: of the same number, and of the same time.
+fn over_iterations(model: &Model) -> Result<Picture> {
+    // As many explicit steps as take the same diffusion time.
+    let equal = COMPARED.map(|n| (n as f64 * CLAIMED / EXPLICIT).round() as usize);
+    let mut meshes = vec![];
+    for n in COMPARED {
+        let title = format!("implicit {CLAIMED} × {n}");
+        meshes.push((title, model.implicit(CLAIMED, n)?.mesh));
+    }
+    for (lambda, n) in equal.map(|n| (EXPLICIT, n)).into_iter().chain(COMPARED.map(|n| (REPORT, n)))
+    {
+        let title = format!("explicit {lambda} × {n}");
+        meshes.push((title, model.explicit(lambda, n)?.mesh));
+    }
+    let mut apart = 0.0_f64;
+    for (implicit, explicit) in meshes.iter().take(2).zip(&meshes[2..]) {
+        apart = apart.max(vertex_displacement(&implicit.1, &explicit.1)?.rms / model.h());
+    }
+    let words = match apart < INVISIBLE {
+        true => "cannot be told apart",
+        false => "differ",
+    };
+    let caption = format!(
+        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but {} times less diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number. Counterpart of Figure 11 of the original report.",
+        brief(apart),
+        brief(CLAIMED / REPORT),
+        model.name
+    );
+    let alt = format!(
+        "{} pictures of the {} after implicit and explicit steps, from two sides.",
+        2 * meshes.len(),
+        model.name
+    );
+    let id = format!("{}-iterations", model.slug());
+    over_lambda::side_by_side(model, &id, &meshes, &caption, &alt)
+}
+
+const FORMULAS: [&str; 1] =
+    [r"(I - \lambda L)\, x^{s+1} = x^s, \qquad \text{each mode divided by } 1 - \lambda\mu \ge 1"];

@@ -1,0 +1,240 @@
+//! Order of the experiments as an article: the title, three acts, and the rules
+//! at the end. Numbers come from the results; none is written here.
+
+use crate::model::results::{Record, Results};
+use crate::model::section;
+use crate::model::verdict::Verdict;
+
+/// The title of the report.
+pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
+
+/// Smoothing in two sentences, before anything is named.
+pub(crate) const IDEA: &str = "Here is a rule: move every vertex of a mesh a fraction λ of the way to the average of its \
+    neighbours, and repeat. The bumps and the noise below fade, unless λ is too large.";
+
+/// The question that the first playground raises.
+pub(crate) const QUESTION: &str = "On this mesh the limit is λ = 4/3: below it every wave on the surface fades, \
+    above it the roughest one grows with each step. What the rule repeats is a matrix, the Laplacian, and 4/3 is two divided by \
+    its largest eigenvalue in absolute value. The same matrix measures how a surface bends, takes a shape apart into waves, and \
+    removes noise. This report asks how well it does each.";
+
+/// The playground that opens the report.
+pub(crate) fn first_playground() -> section::Playground {
+    section::Playground {
+        kind: "opening".into(),
+        caption: "A bumpy ball with noise, and the same ball after twelve steps of the rule. The slider is λ.".into(),
+        alt: "A bumpy ball before and after twelve steps towards the neighbours.".into(),
+    }
+}
+
+/// The subject of the report, before its findings.
+const ABOUT: &str = "We repeated every experiment of a coursework report on discrete curvature, spectra and \
+    smoothing of triangle meshes, and tested its conclusions. One command runs, draws and measures them; only the \
+    tables of the benchmark of denoisers are stored results.";
+
+/// The subject of the report, and whether generated meshes take the place of the assignment's.
+pub(crate) fn about(results: &Results) -> String {
+    let stand_in = results.experiments.iter().flat_map(|r| &r.inputs).any(|input| input.stand_in);
+    match stand_in {
+        true => format!(
+            "{ABOUT} In this run generated meshes of the same kind take the place of the assignment's: where the text \
+             names its flower, plane or machine part, it means these."
+        ),
+        false => ABOUT.into(),
+    }
+}
+
+/// A part of the article.
+pub(crate) struct Act {
+    /// Its name in links.
+    pub(crate) id: &'static str,
+    pub(crate) title: &'static str,
+    /// Its subject, in a sentence or two.
+    pub(crate) about: &'static str,
+    act: section::Act,
+}
+
+pub(crate) const ACTS: [Act; 3] = [
+    Act {
+        act: section::Act::Curvature,
+        id: "act-curvature",
+        title: "I. Measuring curvature",
+        about: "Surfaces bend; meshes only have corners. This part asks which vertex formulas converge to the \
+            curvature of the surface, and what noise does to them.",
+    },
+    Act {
+        act: section::Act::Spectrum,
+        id: "act-spectrum",
+        title: "II. A shape as a spectrum",
+        about: "The eigenvectors of the Laplacian are the waves of a surface, from smooth to rough. This part takes a \
+            shape apart into them and puts it together again.",
+    },
+    Act {
+        act: section::Act::Diffusion,
+        id: "act-diffusion",
+        title: "III. Diffusion and denoising",
+        about: "Diffusion damps rough waves more than smooth ones: it removes noise, and in the end the shape. This \
+            part asks how far one can go, and what to do instead.",
+    },
+];
+
+/// The number of claims of the original report that hold, in a sentence; empty without claims.
+pub(crate) fn tally(results: &Results) -> String {
+    let order = [Verdict::Refuted, Verdict::Qualified, Verdict::Confirmed, Verdict::Undecided];
+    let counts = order.map(|verdict| (results.judged(verdict).len(), verdict));
+    let total: usize = counts.iter().map(|(count, _)| count).sum();
+    let mut counts = counts.iter().filter(|(count, _)| *count > 0);
+    match (total, counts.next()) {
+        (_, None) => String::new(),
+        (1, Some((_, verdict))) => format!("Its one claim is {verdict}."),
+        (_, Some((count, verdict))) => {
+            let verb = if *count == 1 { "is" } else { "are" };
+            let others = counts.map(|(count, verdict)| format!(", {} {verdict}", in_words(*count)));
+            let (total, count) = (in_words(total), in_words(*count));
+            format!("Of its {total} claims {count} {verb} {verdict}{}.", others.collect::<String>())
+        }
+    }
+}
+
+/// A count as a word, up to twelve.
+fn in_words(count: usize) -> String {
+    const WORDS: [&str; 13] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+        "eleven", "twelve",
+    ];
+    WORDS.get(count).map_or_else(|| count.to_string(), ToString::to_string)
+}
+
+/// The lessons for a student: the first sentence of each rule, as one line; empty without rules.
+pub(crate) fn lessons(results: &Results) -> String {
+    let mut text = rules(results).iter().map(|rule| rule.lesson()).collect::<Vec<_>>().join("; ");
+    // Letters of formulas are not capitals: only the first of each lesson is.
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text
+}
+
+impl Act {
+    /// The experiments of this act that were run.
+    pub(crate) fn sections<'a>(&self, results: &'a Results) -> impl Iterator<Item = &'a Record> {
+        let act = self.act;
+        results.experiments.iter().filter(move |record| record.section.act == Some(act))
+    }
+}
+
+/// Experiments that belong to no act, in their order.
+pub(crate) fn others(results: &Results) -> impl Iterator<Item = &Record> {
+    results.experiments.iter().filter(|record| record.section.act.is_none())
+}
+
+/// The experiments in the order of the article.
+pub(crate) fn in_order(results: &Results) -> Vec<&Record> {
+    ACTS.iter().flat_map(|act| act.sections(results)).chain(others(results)).collect()
+}
+
+/// A rule for the student, the claim behind it, and the verdicts from which it follows.
+pub(crate) struct Rule {
+    pub(crate) text: &'static str,
+    pub(crate) claim: &'static str,
+    follows: &'static [Verdict],
+}
+
+impl Rule {
+    /// Its first sentence, to go into a list.
+    fn lesson(&self) -> String {
+        let first = self.text.split(". ").next().unwrap_or_default().trim_end_matches('.');
+        let mut letters = first.chars();
+        let begin = letters.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
+        begin + letters.as_str()
+    }
+}
+
+/// Verdicts, each with the sentence for its claims.
+pub(crate) const GROUPS: [(Verdict, &str); 4] = [
+    (Verdict::Confirmed, "Right"),
+    (Verdict::Qualified, "Half right"),
+    (Verdict::Refuted, "Wrong"),
+    (Verdict::Undecided, "Undecided"),
+];
+
+/// Advice to the student.
+const RULES: [Rule; 6] = [
+    Rule {
+        text: "Say which area you divide by. Half the length of the uniform Laplacian is a length, not a curvature; \
+            cotangents over mixed areas are the better estimate.",
+        claim: "3a",
+        follows: &[Verdict::Qualified, Verdict::Confirmed],
+    },
+    Rule {
+        text: "Under noise, trust total curvature, not single vertices. The total of the angle defects never changes; \
+            at a vertex noise disturbs mean and Gaussian curvature alike.",
+        claim: "1a",
+        follows: &[Verdict::Refuted, Verdict::Qualified],
+    },
+    Rule {
+        text: "Check a formula at the point where it is used. Coefficients from different points do not combine \
+            into a curvature, and central differences show it in a minute.",
+        claim: "2a",
+        follows: &[Verdict::Refuted],
+    },
+    Rule {
+        text: "Keep λ below 2/|μ| of the roughest mode. For uniform weights on a closed mesh every λ below 4/3 is safe, and \
+            λ = 2 never is.",
+        claim: "5a",
+        follows: &[Verdict::Qualified, Verdict::Confirmed],
+    },
+    Rule {
+        text: "Compare flows at equal diffusion time, steps times λ, not at equal numbers of steps. Being stable is \
+            not being right: long implicit steps shrink the shape.",
+        claim: "6b",
+        follows: &[Verdict::Refuted, Verdict::Qualified],
+    },
+    Rule {
+        text: "Measure noise and features in edge lengths. Whether a level of noise destroys a shape depends on the \
+            size of its triangles and of its features, not on model units.",
+        claim: "7a",
+        follows: &[Verdict::Qualified, Verdict::Refuted],
+    },
+];
+
+/// The rules that follow from these results.
+pub(crate) fn rules(results: &Results) -> Vec<&'static Rule> {
+    let claims = results.claims();
+    let follows = |rule: &&Rule| {
+        claims.iter().any(|(_, c)| c.id == rule.claim && rule.follows.contains(&c.verdict))
+    };
+    RULES.iter().filter(follows).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::verdict::Judgement;
+
+    use super::*;
+
+    fn results(claims: &[(&str, Verdict)]) -> Results {
+        let claim = |&(id, verdict): &(&str, Verdict)| Judgement::new(id, "It is so", verdict, "");
+        let claims = claims.iter().map(claim).collect();
+        let provenance = crate::model::provenance::Provenance::default();
+        let experiments = vec![Record { claims, ..Record::default() }];
+        Results { provenance, form: Default::default(), experiments }
+    }
+
+    #[test]
+    fn the_opening_counts_the_claims_and_says_what_to_remember() {
+        let none = results(&[]);
+        assert_eq!((tally(&none), lessons(&none)), (String::new(), String::new()));
+        let one = results(&[("4a", Verdict::Confirmed)]);
+        assert_eq!(tally(&one), "Its one claim is right.");
+        let some =
+            [("2a", Verdict::Refuted), ("5a", Verdict::Qualified), ("7a", Verdict::Qualified)];
+        let some = results(&some);
+        assert_eq!(tally(&some), "Of its three claims one is wrong, two half right.");
+        assert_eq!(
+            lessons(&some),
+            "Check a formula at the point where it is used; keep λ below 2/|μ| of the roughest mode; \
+             measure noise and features in edge lengths"
+        );
+    }
+}

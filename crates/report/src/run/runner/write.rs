@@ -1,0 +1,103 @@
+//! Writes what an experiment returned.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
+use rayon::prelude::*;
+
+use crate::experiment::outcome::{Attachment, Content, MeshOutput, Outcome};
+use crate::experiment::palette;
+use crate::model::results::{FigureFile, File, Record, ViewFile};
+
+/// Pictures of a small report have at most this width, in pixels: about what a code host shows.
+const SMALL: usize = 690;
+
+/// Writes tables, figures and meshes into `work/id`, and enters them into the
+/// record with paths relative to `work`.
+pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Result<()> {
+    let id = record.id.clone();
+    fs::create_dir_all(work.join(&id))?;
+    let keep = |name: String, bytes: &[u8], about: &str| -> Result<File> {
+        let path = format!("{id}/{name}");
+        fs::write(work.join(&path), bytes).with_context(|| format!("writing {path}"))?;
+        Ok(File { path, about: about.into(), bytes: bytes.len() as u64 })
+    };
+    for table in &outcome.tables {
+        let csv = table.to_csv();
+        record.files.push(keep(format!("{}.csv", table.id), csv.as_bytes(), &table.caption)?);
+    }
+    let encoded: Vec<[Vec<u8>; 2]> = outcome
+        .figures
+        .par_iter()
+        .map(|p| Ok([palette::png(&p.image)?, palette::narrow_png(&p.image, SMALL)?]))
+        .collect::<Result<_>>()?;
+    for (picture, [png, small]) in outcome.figures.into_iter().zip(encoded) {
+        let png = keep(format!("{}.png", picture.id), &png, &picture.caption)?.path;
+        let small = keep(format!("{}-small.png", picture.id), &small, &picture.caption)?.path;
+        let svg = picture.svg.map(|svg| {
+            anyhow::Ok(keep(format!("{}.svg", picture.id), svg.as_bytes(), &picture.caption)?.path)
+        });
+        record.figures.push(FigureFile {
+            id: picture.id,
+            caption: picture.caption,
+            alt: picture.alt,
+            png,
+            svg: svg.transpose()?,
+            small: Some(small),
+            links: picture.links,
+        });
+    }
+    for output in outcome.meshes {
+        record.files.push(mesh(output, work, &id)?);
+    }
+    for attachment in outcome.attachments {
+        record.files.push(attached(attachment, work, &id)?);
+    }
+    record.tables = outcome.tables;
+    record.notes = outcome.notes;
+    for view in &outcome.views {
+        let data = keep(format!("{}.view", view.id), &view.to_bytes()?, &view.caption)?.path;
+        record.views.push(ViewFile {
+            id: view.id.clone(),
+            caption: view.caption.clone(),
+            alt: view.alt.clone(),
+            fallback: view.fallback.clone(),
+            data,
+            mesh: None,
+        });
+    }
+    Ok(())
+}
+
+/// Writes a mesh and its fields.
+fn mesh(output: MeshOutput, work: &Path, id: &str) -> Result<File> {
+    let fields = output.fields.into_iter();
+    let fields =
+        fields.fold(VertexFields::default(), |f, (name, values)| f.with_scalar(name, values));
+    let path = format!("{id}/{}.ply", output.id);
+    let options = WriteOptions::default().with_float_width(FloatWidth::Single);
+    io::write_with_fields(work.join(&path), &output.mesh, &fields, &options)
+        .with_context(|| format!("writing {path}"))?;
+    let bytes = fs::metadata(work.join(&path))?.len();
+    Ok(File { path, about: output.caption, bytes })
+}
+
+/// Writes a file that is neither table, picture nor view.
+fn attached(attachment: Attachment, work: &Path, id: &str) -> Result<File> {
+    let path = format!("{id}/{}", attachment.name);
+    match &attachment.content {
+        Content::Text(content) => text(&work.join(&path), content)?,
+        Content::Mesh(mesh) => {
+            io::write(work.join(&path), mesh).with_context(|| format!("writing {path}"))?;
+        }
+    }
+    let bytes = fs::metadata(work.join(&path))?.len();
+    Ok(File { path, about: attachment.about, bytes })
+}
+
+/// Writes a text file.
+fn text(path: &Path, text: &str) -> Result<()> {
+    fs::write(path, text).with_context(|| format!("writing {}", path.display()))
+}
