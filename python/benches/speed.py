@@ -1,6 +1,6 @@
 """The table of docs/python.md: each call beside the Rust bench and other packages, best of several.
 
-python speed.py MESH.obj [path of benchmark built with --release] [--without-peers]
+python speed.py MESH.obj [path of bench built with --release] [--without-peers]
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def rust(program: str | None, task: str, path: str, *more: str) -> float | None:
     """Milliseconds of the bench of the workspace."""
     if program is None:
         return None
-    command = [program, "bench", task, "--in", path, "--repeat", str(REPEAT + 1), "--json", *more]
+    command = [program, task, "--in", path, "--repeat", str(REPEAT + 1), "--json", *more]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
         return None

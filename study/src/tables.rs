@@ -37,16 +37,19 @@ pub fn tables(found: &[Found], published: &Published) -> Result<Vec<(&'static st
         let result = |name: String| found.iter().find(|f| f.case == name);
         cases.filter_map(|c| Some((c.family, result(c.name())?))).collect()
     };
-    let mut ratios = String::from("set,ratio\n");
-    let mut families =
-        String::from("set,kind,family,cases,median,worst,worst case,normal error,best published\n");
-    let mut sets = String::from(
-        "set,cases,compared,median ratio,worst ratio,above 1.1,worse than a default,\
-         normals worse than noisy,positions worse than noisy,flipped before,flipped,more crossings,\
-         volume from truth,volume from noisy\n",
+    let mut ratios = String::from("set,ratio [1]\n");
+    let mut families = String::from(
+        "set,kind,family,cases [count],median [1],worst [1],worst case,normal error [°],best published [°]\n",
     );
-    let mut lost =
-        String::from("set,case,noisy,automatic,best published,ratio,method,parameters\n");
+    let mut sets = String::from(
+        "set,cases [count],compared [count],median ratio [1],worst ratio [1],above 1.1 [count],\
+         worse than a default [count],normals worse than noisy [count],\
+         positions worse than noisy [count],flipped before [count],flipped [count],\
+         more crossings [count],volume from truth [%],volume from noisy [%]\n",
+    );
+    let mut lost = String::from(
+        "set,case,noisy [°],automatic [°],best published [°],ratio [1],method,parameters\n",
+    );
     for set in Set::ALL {
         let mine = of(set);
         let results: Vec<Found> = mine.iter().map(|(_, f)| (*f).clone()).collect();
@@ -96,7 +99,7 @@ pub fn tables(found: &[Found], published: &Published) -> Result<Vec<(&'static st
 /// experiment knows whether the tables are those of its denoiser.
 fn models() -> Result<String> {
     let automatic = denoiser("automatic")?;
-    let mut table = String::from("mesh,normal error\n");
+    let mut table = String::from("mesh,normal error [°]\n");
     for family in MODELS {
         let (truth, (level, seed)) = (model(family)?, NOISE);
         let level = NoiseLevel::EdgeLengths(level);

@@ -10,7 +10,7 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, ReadOptions};
 use fairing_sparse::larger;
 
-use super::families;
+use super::families::{self, TEXT};
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};
 use super::models::{CREASES, FEATURE};
@@ -18,9 +18,9 @@ use super::restoring::{Body, Method};
 use super::seen;
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::values;
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
-use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::model::view::{Panel, Slider, View};
 use crate::row;
@@ -51,51 +51,19 @@ const GENERATED: [(&str, &[u8]); 3] = [
 /// A quick run leaves out noisy meshes of more faces than this.
 const LARGE: usize = 10_000;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Diffusion,
-        "Flows smooth creases as well as noise. Denoisers filter normals instead of positions; this \
-                last section compares them.",
-    )
-    .commands(&["fairing denoise noisy.ply -o restored.ply  # no parameters", "fairing denoise noisy.ply -o guided.ply --method guided-normal", "fairing compare restored.ply truth.ply"])
-    .edge_lengths_of("the mesh without noise, the truth")
-    .sources(&["fleishman2003", "jones2003", "sun2007", "zheng2011", "he2013", "zhang2015", "zhang2015variational", "liu2021", "wang2016"])
-    .shows(&["averages"], &[])
-    .names(&[("bolt-view", "the bolt, to turn"), ("ratios", "all cases of the benchmark"), ("bolt", "the bolt after every denoiser"), ("vase", "the vase after every denoiser"), ("fluted", "the fluted column after every denoiser"), ("best", "the best published denoiser on each mesh"), ("scores", "each denoiser on each mesh"), ("families", "the families of the benchmark"), ("sets", "the sets of families"), ("lost", "the five worst cases of each set")])
-    .playground(
-        "denoising",
-        "The filter of normals keeps the creases that diffusion rounds off; once the noise is more than about a third \
-            of an edge, diffusion is the better of the two. The colours are the angles between the normals and the true \
-            ones. The filter is the local bilateral one of Zheng et al. (2011), diffusion has uniform weights. Drag the \
-            noise: the numbers under the panels update as you drag.",
-        "A turned part three times: noisy, after diffusion, and after a filter of normals, with its errors as numbers.",
-    )
-}
-
 impl Experiment for Denoisers {
     fn card(&self) -> Card {
         let [low, middle, high] = LEVELS;
-        Card {
-            id: "denoisers",
-            title: "Denoisers compared",
-            question: "Which denoiser restores which kind of surface best, with no parameter chosen by hand?".into(),
-            method: format!(
-                "Every denoiser runs with its default parameters; the automatic one has none. It consists of networks trained on generated meshes: models of twelve families, blocks, creatures, tori and three other simple shapes, and random models. The published methods are implementations of our own, after the papers named below. The meshes of this section are a bolt with creases, a smooth vase and a fluted column with details, all three of families on which nothing was trained or chosen; they have Gaussian noise along the normals of {low}, {middle} and {high} mean edge lengths.\n\nWhere they are found, the noisy machine part of the assignment and the pairs of the literature are added: they were not trained on, but results on them were known while the denoiser was made. Errors are measured as in q7. The benchmark has generated meshes of 34 families with seven combinations of noise and triangulation each. Weights and constants of the automatic denoiser are chosen on the twelve families of the development set. The twelve unseen families were not trained on, but their results were known while the kinds of random models for training were designed. On the ten fresh ones nothing was trained or chosen, either; results of earlier networks on them were known. In each case the normal error of the automatic denoiser is compared with the least that any of eight published methods leaves when its parameters are chosen with the truth."
-            ),
-            formulas: vec![],
-            section: section(),
-            inputs: INPUTS,
-            parameters: vec![
-                ("parameters of the denoisers", "defaults".into()),
-                ("levels", LEVELS.map(|l| format!("{l} h")).join(", ")),
-            ],
-        }
+        let parameters = vec![
+            ("parameters of the denoisers", "defaults".into()),
+            ("levels", LEVELS.map(|l| format!("{l} h")).join(", ")),
+        ];
+        TEXT.card(INPUTS, parameters, values! { low, middle, high })
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
-        let mut scores = scores_table();
+        let mut scores = scores_table()?;
         literature(context, &mut scores, &mut outcome)?;
         let read = |(name, bytes): (&'static str, &[u8])| {
             Body::new(name, io::read_bytes(name, bytes, &ReadOptions::default())?.mesh)
@@ -151,48 +119,41 @@ fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
         n if n == ratios.len() => format!("on all {n}"),
         n => format!("on {n} of the {}", ratios.len()),
     };
-    let largest = |ratios: &[f64]| brief(ratios.iter().copied().fold(0.0, larger));
+    let largest = |ratios: &[f64]| ratios.iter().copied().fold(0.0, larger);
     let [cases, worse] = families::worse_than_defaults(tables)?;
-    let lost = fresh.len() + known.len() - wins(&fresh) - wins(&known) + worse;
-    let verdict = match (wins(&fresh), lost) {
+    let losses = fresh.len() + known.len() - wins(&fresh) - wins(&known) + worse;
+    let verdict = match (wins(&fresh), losses) {
         (0, _) => Verdict::Refuted,
         (_, 0) => Verdict::Confirmed,
         _ => Verdict::Qualified,
     };
-    let mut text = format!(
-        "It leaves a smaller normal error than each published method at its default parameters {} generated meshes of this section, on which nothing was trained or chosen; its error is at most {} times the smallest of theirs.",
-        on(&fresh),
-        largest(&fresh)
-    );
+    let mut on_known = String::new();
     if !known.is_empty() {
-        text += &format!(
-            " It does so {} other meshes, at most {} times; results on these were known while it was made.",
-            on(&known),
-            largest(&known)
-        );
+        let values = values! { known: on(&known), largest: largest(&known) };
+        on_known = format!(" {}", TEXT.say("automatic on known", values)?);
     }
+    let mut lost = String::new();
     if cases > 0 {
-        text += &format!(
-            " On {worse} of the {cases} cases of the benchmark a published method at its defaults does better."
-        );
+        let values = values! { worse, cases };
+        lost = format!(" {}", TEXT.say("automatic on the benchmark", values)?);
     }
-    let claim = "One denoiser without parameters does as well as every published one at its default parameters";
-    let mut judgement = Judgement::new("automatic", claim, verdict, text.clone())
-        .finding(text)
+    let values = values! { fresh: on(&fresh), largest: largest(&fresh), known: on_known, lost };
+    let mut judgement = TEXT
+        .judgement("automatic", verdict, values)?
         .ours()
         .shown(Shown::figure("denoisers", "averages"));
     if cases > 0 {
         let name = "benchmark cases in which a published default is better";
         judgement = judgement.number(name, worse as f64, Unit::Count);
     }
-    let ratio = fresh.iter().copied().fold(0.0, larger);
+    let ratio = largest(&fresh);
     Ok(judgement.number("largest ratio to the best published, here", ratio, Unit::One))
 }
 
-fn scores_table() -> Table {
+fn scores_table() -> Result<Table> {
     let mut scores = Table::new(
         "scores",
-        "Each denoiser on each mesh. Flipped faces oppose the truth; the time is that of one run.",
+        &TEXT.say("table scores", &[])?,
         &[
             ("mesh", Unit::Label),
             ("faces", Unit::Count),
@@ -210,7 +171,7 @@ fn scores_table() -> Table {
     {
         scores = scores.tolerance(column, Some(Tolerance { relative: 0.02, absolute }));
     }
-    scores.aside(&["faces"])
+    Ok(scores.aside(&["faces"]))
 }
 
 /// The pairs of the literature, those that are found.
@@ -238,9 +199,7 @@ fn literature(context: &Context<'_>, scores: &mut Table, outcome: &mut Outcome) 
     }
     if !absent.is_empty() {
         let names = absent.join(", ");
-        outcome.notes.push(format!(
-            "Pairs that were not found, and are left out: {names}. They are looked for in the folder of `--meshes`."
-        ));
+        outcome.notes.push(TEXT.say("note absent", values! { names })?);
     }
     Ok(())
 }
@@ -318,7 +277,7 @@ fn measure(table: &mut Table, name: &str, body: &Body, noisy: &TriMesh) -> Resul
 fn best(scores: &Table) -> Result<Table> {
     let mut table = Table::new(
         "best",
-        "The normal error of each noisy mesh, of the best published method with its defaults, and of the automatic denoiser.",
+        &TEXT.say("table best", &[])?,
         &[
             ("mesh", Unit::Label),
             ("noisy", Unit::Degrees),
@@ -377,21 +336,13 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
         plot.series.push(Series::bars(called(name), bars));
     }
     shortest.dedup();
-    let to_see = match &shortest[..] {
-        [one] => format!("Shorter bars are better: those of {one} are the shortest on each mesh."),
-        several => {
-            format!("Shorter bars are better; the shortest are those of {}.", several.join(", "))
-        }
-    };
     let mut figure = Figure::default();
     figure.panels.push(FigurePanel::drawing(plot.draw(900.0, 230.0)?));
     plotted(
         &figure,
         "averages",
-        &format!(
-            "{to_see} The mean normal error of each denoiser on three generated meshes that its training, if any, never saw, averaged over the levels of noise; the names of the meshes are beside the last group."
-        ),
-        "Groups of three bars for each denoiser, one for each kind of mesh.",
+        &TEXT.say("figure averages", values! { best: shortest.join(", ") })?,
+        &TEXT.say("figure averages alt", &[])?,
     )
 }
 
@@ -420,14 +371,8 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     Ok(View {
         id: format!("{}-view", body.name),
         mesh: body.name.into(),
-        caption: format!(
-            "The brighter a place, the farther its normal is off. The numbers under the panels say what each denoiser costs in volume and in creases, whose F-score counts lost and false ones alike. The {} with noise of {level} h along its normals, after each denoiser with its defaults.",
-            body.name
-        ),
-        alt: format!(
-            "The {} with noise, denoised, and without noise, with a slider over denoisers.",
-            body.name
-        ),
+        caption: TEXT.say("view", values! { body: body.name, level })?,
+        alt: TEXT.say("view alt", values! { body: body.name })?,
         fallback: body.name.into(),
         z_up: true,
         sliders: vec![Slider::new("denoiser", names)],
@@ -465,6 +410,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
         meshes: restored[range.clone()].iter().collect(),
         titles: names[range].iter().map(ToString::to_string).collect(),
     };
+    let name = called(body.name);
     Grid {
         rows: vec![row(0..half), row(half..restored.len())],
         viewpoint: VIEWPOINTS[0],
@@ -473,8 +419,8 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     }
     .draw(
         body.name,
-        &format!("{} The {} at the highest level of noise, and after every denoiser with its defaults; flat shaded.", seen::best_and_worst(&errors), called(body.name)),
-        &format!("Pictures of the {}, the noisy one and {} results.", called(body.name), restored.len() - 1),
+        &TEXT.say("figure body", values! { best: seen::best_and_worst(&errors), body: name })?,
+        &TEXT.say("figure body alt", values! { body: name, count: restored.len() - 1 })?,
     )
 }
 

@@ -2,11 +2,16 @@
 
 use anyhow::Result;
 use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series};
+use fairing_sparse::larger;
 
 use super::gallery::plotted;
 use crate::experiment::outcome::{Outcome, Picture};
-use crate::model::table::{Table, Tables, Unit, brief};
+use crate::experiment::text::{Text, values};
+use crate::model::table::{Table, Tables, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
+
+/// The words of the experiment.
+pub(super) static TEXT: Text = Text::new("denoisers", include_str!("../../text/denoisers.md"));
 
 /// The largest ratio that is wanted on families that nothing was chosen on.
 const BAR: f64 = 1.1;
@@ -30,7 +35,7 @@ pub(super) fn add(automatic: &[(&str, f64)], outcome: &mut Outcome) -> Result<()
         models_table().filled(include_str!("../../../../docs/reference/denoising/models.csv"))?;
     for (mesh, error) in automatic {
         if (models.value(&[("mesh", (*mesh).into())], "normal error")? - error).abs() > SAME {
-            outcome.notes.push("The stored results of the benchmark do not belong to this denoiser and are left out: `cargo xtask study measure --accept` makes new ones.".into());
+            outcome.notes.push(TEXT.say("note outdated", &[])?);
             return Ok(());
         }
     }
@@ -38,14 +43,12 @@ pub(super) fn add(automatic: &[(&str, f64)], outcome: &mut Outcome) -> Result<()
         ratios_table().filled(include_str!("../../../../docs/reference/denoising/ratios.csv"))?;
     outcome.figures.push(plot(&ratios)?);
     outcome.tables.extend([
-        families_table()
+        families_table()?
             .filled(include_str!("../../../../docs/reference/denoising/families.csv"))?,
-        sets_table().filled(include_str!("../../../../docs/reference/denoising/sets.csv"))?,
-        lost_table().filled(include_str!("../../../../docs/reference/denoising/lost.csv"))?,
+        sets_table()?.filled(include_str!("../../../../docs/reference/denoising/sets.csv"))?,
+        lost_table()?.filled(include_str!("../../../../docs/reference/denoising/lost.csv"))?,
     ]);
-    outcome.notes.push(
-        "The tables of the benchmark were not measured in this run: `cargo xtask study measure --accept` stores them. This run has found the same errors on the models of this section as that one.".into(),
-    );
+    outcome.notes.push(TEXT.say("note stored", &[])?);
     Ok(())
 }
 
@@ -76,15 +79,15 @@ fn plot(ratios: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "ratios",
-        "Below the dashed line the automatic denoiser is better than the best published method, whose parameters were tuned with the truth; above it, worse. The normal error of the automatic denoiser over that of the other on each case of the benchmark, in ascending order.",
-        "Three rising lines, one for each set of families, that cross the dashed line of equal errors.",
+        &TEXT.say("figure ratios", &[])?,
+        &TEXT.say("figure ratios alt", &[])?,
     )
 }
 
-fn families_table() -> Table {
-    Table::new(
+fn families_table() -> Result<Table> {
+    Ok(Table::new(
         "families",
-        "The families of the benchmark: the normal error of the automatic denoiser over that of the best published method, its parameters tuned with the truth on that very case; the median and the worst case.",
+        &TEXT.say("table families", &[])?,
         &[
             ("set", Unit::Label),
             ("kind", Unit::Label),
@@ -96,13 +99,13 @@ fn families_table() -> Table {
             ("normal error", Unit::Degrees),
             ("best published", Unit::Degrees),
         ],
-    )
+    ))
 }
 
-fn sets_table() -> Table {
-    Table::new(
+fn sets_table() -> Result<Table> {
+    Ok(Table::new(
         "sets",
-        "The sets of families. Constants are chosen on the development set alone; nothing was chosen on the fresh families, though results of earlier networks on them were known. Flipped faces oppose the truth. Volumes are compared with that of the truth, and with that of the noisy mesh, which noise alone changes.",
+        &TEXT.say("table sets", &[])?,
         &[
             ("set", Unit::Label),
             ("cases", Unit::Count),
@@ -119,13 +122,13 @@ fn sets_table() -> Table {
             ("volume from truth", Unit::Percent),
             ("volume from noisy", Unit::Percent),
         ],
-    )
+    ))
 }
 
-fn lost_table() -> Table {
-    Table::new(
+fn lost_table() -> Result<Table> {
+    Ok(Table::new(
         "lost",
-        "The five cases of each set with the largest ratio, and the published method that does better there with parameters found with the truth.",
+        &TEXT.say("table lost", &[])?,
         &[
             ("set", Unit::Label),
             ("case", Unit::Label),
@@ -136,7 +139,7 @@ fn lost_table() -> Table {
             ("method", Unit::Label),
             ("parameters", Unit::Label),
         ],
-    )
+    ))
 }
 
 /// The number of cases of all sets, and of those in which a published method at its default
@@ -174,31 +177,24 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
         (false, false) => Verdict::Refuted,
         _ => Verdict::Qualified,
     };
-    let reason = format!(
-        "On {} cases of unseen families, which were not trained on but whose results were known during development, {}. On {} cases of fresh families, on which nothing was trained or chosen, {}.",
-        unseen.cases,
-        unseen.text(),
-        fresh.cases,
-        fresh.text(),
-    );
-    let finding = format!(
-        "The median of its error is {:.2} times that of the best published method tuned with the truth on unseen families, and {:.2} times on fresh ones; at worst it is {} times as large.",
-        unseen.median,
-        fresh.median,
-        brief(unseen.worst.max(fresh.worst))
-    );
+    let worst = larger(unseen.worst, fresh.worst);
+    let reason = values! {
+        unseen_cases: unseen.cases, fresh_cases: fresh.cases,
+        unseen: unseen.text()?, fresh: fresh.text()?,
+    };
+    let finding = values! { unseen: unseen.median, fresh: fresh.median, worst };
     let judgement = Judgement::new(
         "unseen",
-        "On families of shapes it was not trained on, the automatic denoiser does as well as the best published method whose parameters are chosen with the truth",
+        &TEXT.say("claim unseen", &[])?,
         verdict,
-        reason,
+        TEXT.say("reason unseen", reason)?,
     )
-    .finding(finding)
+    .finding(TEXT.say("finding unseen", finding)?)
     .ours()
     .shown(Shown::line("denoisers", "ratios", FRESH))
     .number("median ratio, fresh", fresh.median, Unit::One)
     .number("median ratio, unseen", unseen.median, Unit::One)
-    .number("worst ratio", unseen.worst.max(fresh.worst), Unit::One);
+    .number("worst ratio", worst, Unit::One);
     Ok(Some(judgement))
 }
 
@@ -214,11 +210,8 @@ struct Standing {
 }
 
 impl Standing {
-    fn text(&self) -> String {
-        let Self { median, worst, above, harmed: [normals, positions], .. } = self;
-        format!(
-            "the median of the normal error is {median:.2} times that of the best published method tuned with the truth, the worst {} times, and {above} are above {BAR} times; normals are farther from the truth than those of the noisy mesh on {normals}, positions on {positions}",
-            brief(*worst),
-        )
+    fn text(&self) -> Result<String> {
+        let Self { median, worst, above, harmed: [normals, positions], .. } = *self;
+        TEXT.say("standing", values! { median, worst, above, bar: BAR, normals, positions })
     }
 }

@@ -17,8 +17,8 @@ use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
 use super::refinement::{between, second_order};
 use super::seen;
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
 use crate::model::table::{Table, Tables, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::model::view::{Panel, Slider, View};
@@ -36,36 +36,14 @@ const SIGMA: f64 = 0.2;
 /// meshes.
 const ROUND: f64 = 0.02;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Diffusion,
-        "Diffusion with uniform weights is one flow of many. Those with cotangents have a limit that \
-                can be computed, and some give the volume back.",
-    )
-    .commands(&["fairing smooth noisy.ply -o shrunk.ply --method implicit --weights cotangent --lambda 1", "fairing smooth noisy.ply -o kept.ply --method taubin  # keeps the volume", "fairing compare kept.ply truth.ply"])
-    .edge_lengths_of("each sphere without noise")
-    .sources(&["desbrun1999", "kazhdan2012", "taubin1995", "taubin1996", "vollmer1999"])
-    .notation(&["x", "X", "H", "K", "n", "\\Delta", "t", "r"])
-    .shows(&["methods-view"], &[])
-    .names(&[("radius", "the radius of a shrinking sphere"), ("conformal-view", "a bumpy sphere that becomes round"), ("methods", "scores of all methods"), ("conformal", "conformalised flow"), ("spheres", "mean curvature flow of the sphere")])
-}
+static TEXT: Text = Text::new("flows", include_str!("../../text/flows.md"));
 
 impl Experiment for Flows {
     fn card(&self) -> Card {
-        Card {
-            id: "flows",
-            title: "Flows against theory, and beside each other",
-            question: "Do the flows converge to what they discretise, and what does each cost in shape?".into(),
-            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with the exact radius r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
-            inputs: &[],
-            parameters: vec![
-                ("time of the spheres", END.to_string()),
-                ("noise of the comparison", format!("{SIGMA} mean edge lengths, along normals")),
-            ],
-        }
+        let noise = format!("{SIGMA} mean edge lengths, along normals");
+        let parameters =
+            vec![("time of the spheres", END.to_string()), ("noise of the comparison", noise)];
+        TEXT.card(&[], parameters, &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
@@ -90,7 +68,7 @@ impl Experiment for Flows {
         let least = orders.iter().copied().fold(f64::INFINITY, smaller);
         let most = orders.iter().copied().fold(0.0, larger);
         let second = least > 1.8 && most < 2.2;
-        let orders = between(least, most);
+        let order = between(least, most);
         let left = tables.get("conformal")?.column("off the sphere after")?;
         let worst = left.iter().copied().fold(0.0, larger);
         let methods = tables.get("methods")?;
@@ -102,43 +80,23 @@ impl Experiment for Flows {
             lost = lost.max(of(method, "volume")?.abs());
         }
         let judge = |holds| if holds { Verdict::Confirmed } else { Verdict::Refuted };
+        let last = ViewState::at(&[conformal::STOPS.len() - 1]);
+        let off_truth = ViewState::at(&[stop("taubin")]).field("distance off the truth");
         Ok(vec![
-            Judgement::new(
-                "mean-curvature",
-                "Mean curvature flow converges to that of the sphere with second order",
-                judge(second),
-                format!("The observed order of the radius is {orders}."),
-            )
-            .finding(format!("The observed order is {orders}."))
-            .ours()
-            .shown(Shown::line("flows", "radius", "unit sphere"))
-            .number("least order", least, Unit::Order)
-            .number("greatest order", most, Unit::Order),
-            Judgement::new(
-                "conformal",
-                "Conformalised mean curvature flow turns sphere-like meshes into round spheres",
-                judge(worst < ROUND),
-                format!("When it settles, no vertex of the bumpy spheres is off the mean sphere by more than {} % of its radius.", brief(100.0 * worst)),
-            )
-            .finding(format!("On bumpy spheres no vertex ends farther from the mean sphere than {} % of its radius.", brief(100.0 * worst)))
-            .ours()
-            .shown(Shown::view("flows", conformal::VIEW, &ViewState::at(&[conformal::STOPS.len() - 1])))
-            .number("farthest off the sphere", worst, Unit::Relative),
-            Judgement::new(
-                "volume",
-                "Taubin's steps, the windowed sinc filter and HC keep the volume that diffusion loses",
-                judge(lost < 0.2 * plain),
-                format!(
-                    "On the bumpy sphere of the table they change the volume by at most {} %, implicit diffusion by {} %.",
-                    brief(lost),
-                    brief(plain),
-                ),
-            )
-            .finding(format!("On a bumpy sphere they change the volume by at most {} %, implicit diffusion by {} %.", brief(lost), brief(plain)))
-            .ours()
-            .shown(Shown::view("flows", "methods-view", &ViewState::at(&[stop("taubin")]).field("distance off the truth")))
-            .number("largest change of the three", lost, Unit::Percent)
-            .number("change by implicit diffusion", plain, Unit::Percent),
+            TEXT.judgement("mean-curvature", judge(second), values! { order })?
+                .ours()
+                .shown(Shown::line("flows", "radius", "unit sphere"))
+                .number("least order", least, Unit::Order)
+                .number("greatest order", most, Unit::Order),
+            TEXT.judgement("conformal", judge(worst < ROUND), values! { worst })?
+                .ours()
+                .shown(Shown::view("flows", conformal::VIEW, &last))
+                .number("farthest off the sphere", worst, Unit::Relative),
+            TEXT.judgement("volume", judge(lost < 0.2 * plain), values! { lost, plain })?
+                .ours()
+                .shown(Shown::view("flows", "methods-view", &off_truth))
+                .number("largest change of the three", lost, Unit::Percent)
+                .number("change by implicit diffusion", plain, Unit::Percent),
         ])
     }
 }
@@ -147,7 +105,7 @@ impl Experiment for Flows {
 fn spheres(finest: u32) -> Result<Table> {
     let mut table = Table::new(
         "spheres",
-        "The mean radius of the unit sphere at the end of mean curvature flow beside √(1 − 4t), and the order observed between each mesh and the one before.",
+        &TEXT.say("table spheres", &[])?,
         &[
             ("h", Unit::Length),
             ("steps", Unit::Count),
@@ -198,19 +156,16 @@ fn radius(spheres: &Table) -> Result<Picture> {
         ..Plot::default()
     };
     plot.series.extend(second_order(&plot.series));
-    let to_see = match spheres.numbers("order")?.iter().all(|order| (1.8..2.2).contains(order)) {
-        true => "The line is as steep as the dashed one",
-        false => "The line is not as steep as the dashed one",
-    };
+    let orders = spheres.numbers("order")?;
+    let least = orders.iter().copied().fold(f64::INFINITY, smaller);
+    let order = between(least, orders.iter().copied().fold(0.0, larger));
     let mut figure = Figure::default();
     figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
     plotted(
         &figure,
         "radius",
-        &format!(
-            "{to_see}: at second order half the edge length leaves a quarter of the error. The error of the radius of the unit sphere under mean curvature flow, against √(1 − 4t), with time steps in proportion to h²."
-        ),
-        "A plot of error over mean edge length on logarithmic axes, with a dashed line of second order.",
+        &TEXT.say("figure radius", values! { order })?,
+        &TEXT.say("figure radius alt", &[])?,
     )
 }
 
@@ -265,13 +220,14 @@ fn view(context: &Context<'_>) -> Result<View> {
     Ok(View {
         id: "methods-view".into(),
         mesh: "bumpy sphere".into(),
-        caption: format!(
-            "Red is outside the true surface, blue inside. After implicit diffusion {} % of the vertices are inside, after Taubin's steps {} %: diffusion shrinks. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
-            brief(inside("implicit")?),
-            brief(inside("taubin")?),
-            truth.vertex_count()
-        ),
-        alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),
+        caption: TEXT.say(
+            "view",
+            values! {
+                implicit: inside("implicit")?, taubin: inside("taubin")?,
+                vertices: truth.vertex_count(), sigma: SIGMA,
+            },
+        )?,
+        alt: TEXT.say("view alt", &[])?,
         fallback: "methods".into(),
         z_up: true,
         sliders: vec![Slider::new("method", results.iter().map(|(name, _)| name))],
@@ -291,7 +247,7 @@ fn view(context: &Context<'_>) -> Result<View> {
 fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let mut table = Table::new(
         "methods",
-        "Every method with its default options on a bumpy sphere with noise; the volume is compared with that of the truth.",
+        &TEXT.say("table methods", &[])?,
         &[
             ("method", Unit::Label),
             ("normal error", Unit::Degrees),
@@ -313,35 +269,27 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let shown = ["input", "implicit", "mean-curvature", "taubin", "hc"];
     let looks = results.iter().filter(|(name, _)| shown.contains(&name.as_str()));
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
+    let picture = Gallery {
+        looks,
+        viewpoints: &VIEWPOINTS[..1],
+        up: Up::Z,
+        aspect: 1.0,
+        occlusion: !context.is_quick(),
+    }
+    .draw(
         "methods",
-        &format!("{} A bumpy sphere with noise, and after some of the methods with their default options.", volumes(&table, &shown)?),
-        "Five pictures: a rough sphere with bumps, and after four methods.",
+        &TEXT.say("figure methods", values! { volumes: volumes(&table, &shown)? })?,
+        &TEXT.say("figure methods alt", &[])?,
     )?;
     Ok((table, picture))
 }
 
-/// The volumes after some methods, as a sentence.
+/// The changes of the volume by some methods, as a list.
 fn volumes(table: &Table, methods: &[&str]) -> Result<String> {
-    let (mut shrunk, mut kept) = (vec![], vec![]);
-    for &method in methods.iter().filter(|name| **name != "input") {
+    let methods = methods.iter().filter(|name| **name != "input");
+    let changes = methods.map(|&method| {
         let change = table.value(&[("method", method.into())], "volume")?;
-        let words = format!("{method} ({} %)", brief(change));
-        if change < -VISIBLE { shrunk.push(words) } else { kept.push(words) }
-    }
-    Ok(match (shrunk.is_empty(), kept.is_empty()) {
-        (false, false) => format!(
-            "After {} the sphere has shrunk; after {} it has kept its volume.",
-            seen::list(&shrunk),
-            seen::list(&kept)
-        ),
-        (false, true) => format!("It has shrunk after every method: {}.", seen::list(&shrunk)),
-        _ => format!("It has kept its volume after every method: {}.", seen::list(&kept)),
-    })
+        Ok(format!("{method} {} %", brief(change)))
+    });
+    Ok(seen::list(&changes.collect::<Result<Vec<_>>>()?))
 }
-
-/// A loss of volume above this is visible, in percent.
-const VISIBLE: f64 = 5.0;
-
-const FORMULAS: [&str; 1] =
-    [r"\frac{\partial x}{\partial t} = \Delta x = -2Hn, \qquad r(t) = \sqrt{r_0^2 - 4t}"];

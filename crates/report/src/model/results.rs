@@ -227,11 +227,21 @@ impl Results {
         claims.filter(|c| !c.ours && c.verdict == verdict).collect()
     }
 
-    /// Reads a `results.json`.
+    /// Reads a `results.json`; the rows that it leaves to the tables beside it, from there.
     pub fn read(path: &Path) -> Result<Self> {
         let text =
             fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-        serde_json::from_str(&text)
-            .with_context(|| format!("{} is no results.json", path.display()))
+        let mut results: Self = serde_json::from_str(&text)
+            .with_context(|| format!("{} is no results.json", path.display()))?;
+        for record in &mut results.experiments {
+            for table in &mut record.tables {
+                let csv = path.with_file_name(&record.id).join(&table.id).with_extension("csv");
+                if table.rows.is_empty() && csv.is_file() {
+                    let rows = fs::read_to_string(&csv)?;
+                    *table = std::mem::take(table).filled(&rows)?;
+                }
+            }
+        }
+        Ok(results)
     }
 }

@@ -102,6 +102,16 @@ pub struct Column {
     pub aside: bool,
 }
 
+impl Column {
+    /// The name, with the unit in brackets where there is one.
+    fn heading(&self) -> String {
+        match self.unit {
+            Unit::Label => self.name.clone(),
+            unit => format!("{} [{unit}]", self.name),
+        }
+    }
+}
+
 /// One entry of a table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -231,7 +241,7 @@ fn powered(scientific: &str) -> String {
 }
 
 /// A table of results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Unique within the experiment: lower-case words joined by hyphens.
     pub id: String,
@@ -239,7 +249,8 @@ pub struct Table {
     pub caption: String,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, each as long as there are columns.
+    /// The rows, each as long as there are columns; none where the CSV has them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -302,29 +313,27 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// The table with rows from comma-separated values without quotes, whose first line holds the
-    /// names of the columns.
+    /// The table with rows from comma-separated values as [`Self::to_csv`] writes them.
     ///
     /// # Errors
     ///
-    /// If the first line names other columns, or a line has another number of cells or no number
-    /// where there has to be one.
+    /// If the first line names other columns, or a line has another number of cells.
     pub fn filled(mut self, csv: &str) -> Result<Self> {
-        let mut lines = csv.lines();
-        let names: Vec<&str> = self.columns.iter().map(|c| &*c.name).collect();
-        ensure!(lines.next() == Some(&names.join(",")), "table {}: other columns", self.id);
-        for (k, line) in lines.enumerate() {
-            let cells: Vec<&str> = line.split(',').collect();
-            ensure!(cells.len() == names.len(), "table {}, line {}: {line}", self.id, k + 2);
-            let cell = |(c, text): (&Column, &str)| {
-                Ok(match c.unit {
-                    Unit::Label => text.into(),
-                    Unit::Count => Cell::Count(text.parse()?),
-                    _ => Cell::from(text.parse::<f64>()?),
-                })
+        let mut lines = csv::Reader::from_reader(csv.as_bytes());
+        let headings: Vec<String> = self.columns.iter().map(Column::heading).collect();
+        ensure!(*lines.headers()? == headings, "table {}: its columns are {headings:?}", self.id);
+        for line in lines.into_records() {
+            let line = line.with_context(|| format!("table {}", self.id))?;
+            let cell = |(c, text): (&Column, &str)| match (c.unit, text) {
+                (_, "") => Cell::Missing,
+                (Unit::Label, _) => text.into(),
+                _ => {
+                    let count = text.parse().map(Cell::Count);
+                    let number = || text.parse().ok().filter(|x: &f64| x.is_finite());
+                    count.unwrap_or_else(|_| number().map_or(text.into(), Cell::Number))
+                }
             };
-            let row: Result<Vec<Cell>> = self.columns.iter().zip(cells).map(cell).collect();
-            self.rows.push(row.with_context(|| format!("table {}, line {}", self.id, k + 2))?);
+            self.rows.push(self.columns.iter().zip(&line).map(cell).collect());
         }
         Ok(self)
     }
@@ -388,26 +397,23 @@ impl Table {
 
     /// Comma-separated values: a line of names, the unit in brackets, then the
     /// rows with every digit.
-    pub fn to_csv(&self) -> String {
-        let quote = |text: &str| match text.contains(['"', ',', '\n']) {
-            true => format!("\"{}\"", text.replace('"', "\"\"")),
-            false => text.to_string(),
-        };
-        let heading = |c: &Column| match c.unit {
-            Unit::Label => quote(&c.name),
-            unit => quote(&format!("{} [{unit}]", c.name)),
-        };
+    ///
+    /// # Errors
+    ///
+    /// If a row has another number of cells than there are columns.
+    pub fn to_csv(&self) -> Result<String> {
         let cell = |c: &Cell| match c {
             Cell::Count(n) => n.to_string(),
             Cell::Number(x) => format!("{x:?}"),
-            Cell::Text(t) => quote(t),
+            Cell::Text(t) => t.clone(),
             Cell::Missing => String::new(),
         };
-        let mut csv = self.columns.iter().map(heading).collect::<Vec<_>>().join(",") + "\n";
+        let mut lines = csv::Writer::from_writer(vec![]);
+        lines.write_record(self.columns.iter().map(Column::heading))?;
         for row in &self.rows {
-            csv += &(row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+            lines.write_record(row.iter().map(cell))?;
         }
-        csv
+        Ok(String::from_utf8(lines.into_inner()?)?)
     }
 }
 
@@ -460,7 +466,11 @@ mod tests {
 
     #[test]
     fn csv_quotes_and_keeps_every_digit() {
-        assert_eq!(sample().to_csv(), "mesh,h [mesh units]\n\"a, b\",0.1\nc,inf\n");
+        let csv = sample().to_csv().unwrap();
+        assert_eq!(csv, "mesh,h [mesh units]\n\"a, b\",0.1\nc,inf\n");
+        let empty = Table { rows: vec![], ..sample() };
+        assert_eq!(empty.clone().filled(&csv).unwrap(), sample());
+        assert!(empty.filled("mesh\n").is_err());
     }
 
     #[test]

@@ -25,7 +25,13 @@ pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Result
         }
     }
     thumbnail::tell_apart(&mut results);
-    write(&folder.join("results.json"), &json::readable(&results)?)?;
+    let mut written = results.clone();
+    if form == Form::Small {
+        // The CSV files have them.
+        let tables = written.experiments.iter_mut().flat_map(|record| &mut record.tables);
+        tables.for_each(|table| table.rows.clear());
+    }
+    write(&folder.join("results.json"), &json::readable(&written)?)?;
     render(folder)?;
     Ok(results)
 }

@@ -25,7 +25,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
         Ok(File { path, about: about.into(), bytes: bytes.len() as u64 })
     };
     for table in &outcome.tables {
-        let csv = table.to_csv();
+        let csv = table.to_csv()?;
         record.files.push(keep(format!("{}.csv", table.id), csv.as_bytes(), &table.caption)?);
     }
     let encoded: Vec<[Vec<u8>; 2]> = outcome
