@@ -8,7 +8,6 @@
 
 pub mod mathml;
 
-mod base85;
 mod bibliography;
 mod layout;
 mod markdown;
@@ -20,7 +19,6 @@ mod render;
 mod snippets;
 mod story;
 mod thumbnail;
-mod views;
 
 pub use markdown::{claim_table, summary};
 pub use page::laboratory;
