@@ -4,9 +4,9 @@ import {element} from './dom.mjs';
 const HOW = 'Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.';
 
 /**
- * Lets pointer, wheel and keys move a camera over a canvas. Calls `moved` (by hand),
- * `stepped` (by key), `rested`, `picked` with the place as fractions of width and height, and `next`
- * with 1 or −1.
+ * Lets pointer, wheel and keys move a camera over a canvas. Calls `moved` (by hand), `stepped` (by
+ * key), `rested`, `picked` with the place as fractions of width and height, and `next` with 1 or
+ * −1.
  */
 export function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
   const fingers = new Map();

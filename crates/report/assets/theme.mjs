@@ -1,4 +1,4 @@
-/** Stores a value, if there is one, and returns the stored one; null if the browser stores nothing. */
+/** Stores a value if there is one, and returns the stored one; null if nothing can be stored. */
 function kept(name, value) {
   try {
     if (value !== undefined) localStorage.setItem(name, value);

@@ -5,8 +5,8 @@ import {Worker} from 'node:worker_threads';
 import {gunzipSync} from 'node:zlib';
 import {Client} from '../../assets/client.mjs';
 
-// The globals that a browser gives to the script of a worker. The next request with `breaks` panics while it
-// shows its progress, and one with `fills` finds no memory left.
+// The globals that a browser gives to the script of a worker. The next request with `breaks` panics
+// while it shows its progress, and one with `fills` finds no memory left.
 const script = JSON.stringify(new URL('../../assets/worker.mjs', import.meta.url).href);
 const source = `
 const {parentPort} = require('node:worker_threads');
