@@ -14,7 +14,7 @@ use crate::maps::ColorMap;
 use crate::svg::escape;
 
 /// The modules of the viewer, for [`bundle`] and the pages of other crates.
-pub const VIEWER: [Module<'static>; 10] = {
+pub const VIEWER: [Module<'static>; 11] = {
     macro_rules! viewer {
         ($($file:literal),*) => {
             [$((concat!("figure/viewer/", $file), include_str!(concat!("../viewer/", $file)))),*]
@@ -22,6 +22,7 @@ pub const VIEWER: [Module<'static>; 10] = {
     }
     viewer![
         "bar.mjs",
+        "bytes.mjs",
         "camera.mjs",
         "colors.mjs",
         "dom.mjs",

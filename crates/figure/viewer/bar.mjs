@@ -2,11 +2,10 @@ import {picture, readable, roundValues} from './dom.mjs';
 
 /**
  * A colour bar with the histogram of what it shows standing on it; values beyond the ends are
- * counted in words. `few` are the values that occur where there are not many, `even` says that the
- * colours are equalised. `across` is the width of its place: in a narrow one the bar is shorter,
- * and its words keep their size.
+ * counted in words. `across` is the width of its place: in a narrow one the bar is shorter, and its
+ * words keep their size.
  */
-export function colorBar({values, range, lookup, name, unit, few = null, even = false, across = 408}) {
+export function colorBar({values, range, lookup, name, unit, across = 408}) {
   const [low, high] = range;
   const bins = 90;
   const counts = new Array(bins).fill(0);
@@ -26,7 +25,7 @@ export function colorBar({values, range, lookup, name, unit, few = null, even = 
     above && `${above} above`,
     undefinedCount && `${undefinedCount} undefined`,
   ].filter(Boolean).join(', ');
-  const title = `${name}${words}${even ? ', equalised' : ''}`;
+  const title = `${name}${words}`;
   // About six and a half pixels a letter.
   const fits = 6.5 * (title.length + beyond.length + 3) < width + 48;
   const lines = beyond && !fits ? [title, beyond] : [[title, beyond].filter(Boolean).join(' · ')];
@@ -45,7 +44,7 @@ export function colorBar({values, range, lookup, name, unit, few = null, even = 
   }
   if (below) add('path', {d: 'M0 26L-9 32L0 38Z', fill: strip(0)});
   if (above) add('path', {d: `M${width} 26l9 6l-9 6Z`, fill: strip(1)});
-  for (const x of few?.length ? few : roundValues(low, high, width < 300 ? 3 : 5)) {
+  for (const x of roundValues(low, high, width < 300 ? 3 : 5)) {
     const at = (width * (x - low)) / (high - low);
     add('path', {class: 'tick', d: `M${at} 38v4`});
     add('text', {x: at, y: 54, 'text-anchor': 'middle'}, readable(x));

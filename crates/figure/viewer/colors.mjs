@@ -1,31 +1,29 @@
+import {bytesOf} from './bytes.mjs';
+
 /** The number of colours of the renderer and of colour bars. */
-export const COLORS = 1024;
+const COLORS = 1024;
 /** The most values from which a range is estimated. */
 const SAMPLED = 200_000;
 
 /** The colour maps of the page by name, as RGB bytes. */
 export function colorMaps() {
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const maps = Object.entries(JSON.parse(document.getElementById('colour-maps').textContent));
-  return Object.fromEntries(maps.map(([name, text]) => [name, bytes(text)]));
+  return Object.fromEntries(maps.map(([name, text]) => [name, bytesOf(text)]));
 }
 
 const lookups = new WeakMap();
 
 /** The colours of a map. */
 export function lookupOf(map) {
-  if (!lookups.has(map)) lookups.set(map, lookupAt(map, (i) => i / (COLORS - 1)));
-  return lookups.get(map);
-}
-
-/** Colours at places of a map, from 0 to 1; `place` takes the number of a colour. */
-export function lookupAt(map, place) {
-  const colors = new Uint8Array(3 * COLORS);
-  for (let i = 0; i < COLORS; i++) {
-    const k = 3 * Math.round(place(i) * (map.length / 3 - 1));
-    colors.set(map.subarray(k, k + 3), 3 * i);
+  if (!lookups.has(map)) {
+    const colors = new Uint8Array(3 * COLORS);
+    for (let i = 0; i < COLORS; i++) {
+      const k = 3 * Math.round((i / (COLORS - 1)) * (map.length / 3 - 1));
+      colors.set(map.subarray(k, k + 3), 3 * i);
+    }
+    lookups.set(map, colors);
   }
-  return colors;
+  return lookups.get(map);
 }
 
 /**

@@ -53,3 +53,8 @@ export function superscript(x) {
   const digits = {'-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹'};
   return [...String(x)].map((c) => digits[c]).join('');
 }
+
+/** Opens all folds around an element. */
+export function reveal(inner) {
+  for (let at = inner.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
+}

@@ -27,11 +27,8 @@ export function normals(positions, faces) {
   return sums;
 }
 
-/**
- * Points and normals as the renderer takes them, scaled to the ball of the camera; `occlusion` in
- * 255ths, or null.
- */
-export function shape(positions, directions, {center, radius}, occlusion = null) {
+/** Points and normals as the renderer takes them, scaled to the ball of the camera. */
+export function shape(positions, directions, {center, radius}) {
   const n = positions.length / 3;
   const points = new Float32Array(4 * n);
   const normals = new Float32Array(4 * n);
@@ -40,27 +37,36 @@ export function shape(positions, directions, {center, radius}, occlusion = null)
       points[4 * v + k] = (positions[3 * v + k] - center[k]) / radius;
       normals[4 * v + k] = directions[3 * v + k];
     }
-    points[4 * v + 3] = occlusion ? occlusion[v] / 255 : 1;
   }
   return {points, normals};
 }
 
-/** The ball about the middle of the box that holds all positions. */
-export function ballOf(positions) {
+/** The box that holds all positions of some lists. */
+export function boxOf(lists) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  for (let i = 0; i < positions.length; i += 3) {
-    for (let k = 0; k < 3; k++) {
-      const x = positions[i + k];
-      if (x < low[k]) low[k] = x;
-      if (x > high[k]) high[k] = x;
+  for (const positions of lists) {
+    for (let i = 0; i < positions.length; i += 3) {
+      for (let k = 0; k < 3; k++) {
+        const x = positions[i + k];
+        if (x < low[k]) low[k] = x;
+        if (x > high[k]) high[k] = x;
+      }
     }
   }
+  return {low, high};
+}
+
+/** The ball about the middle of the box that holds all positions of some lists. */
+export function ballOf(lists) {
+  const {low, high} = boxOf(lists);
   const center = low.map((x, k) => 0.5 * (x + high[k]));
   const [x, y, z] = center;
   let square = 0;
-  for (let i = 0; i < positions.length; i += 3) {
-    const [dx, dy, dz] = [positions[i] - x, positions[i + 1] - y, positions[i + 2] - z];
-    square = Math.max(square, dx * dx + dy * dy + dz * dz);
+  for (const positions of lists) {
+    for (let i = 0; i < positions.length; i += 3) {
+      const [dx, dy, dz] = [positions[i] - x, positions[i + 1] - y, positions[i + 2] - z];
+      square = Math.max(square, dx * dx + dy * dy + dz * dz);
+    }
   }
   return {center, radius: Math.sqrt(square) || 1};
 }

@@ -51,7 +51,7 @@ export class Pictures {
     });
   }
 
-  /** What is chosen is kept, if there is a place for it. */
+  /** Stores the state; kinds of pictures with a place for it override this. */
   remember() {}
 
   whole(picture) {

@@ -14,7 +14,7 @@ uniform highp sampler2D tPosition, tNormal, tValue;
 uniform mat4 uView, uProjection;
 uniform bool uExpanded;
 out vec3 vPosition, vNormal, vSide;
-out float vValue, vOpen, vDefined;
+out float vValue, vDefined;
 flat out int vFace;
 ivec2 at(int i) { return ivec2(i & ${WIDTH - 1}, i / ${WIDTH}); }
 void main() {
@@ -24,7 +24,6 @@ vec4 p = texelFetch(tPosition, at(v), 0);
 vec4 seen = uView * vec4(p.xyz, 1.0);
 vPosition = seen.xyz;
 vNormal = mat3(uView) * texelFetch(tNormal, at(v), 0).xyz;
-vOpen = p.w;
 vec2 value = texelFetch(tValue, at(v), 0).rg;
 vValue = value.x;
 vDefined = value.y;
@@ -36,7 +35,7 @@ gl_Position = uProjection * seen;
 const SHADE = `#version 300 es
 precision highp float; precision highp int;
 in vec3 vPosition, vNormal, vSide;
-in float vValue, vOpen, vDefined;
+in float vValue, vDefined;
 flat in int vFace;
 out vec4 color;
 uniform sampler2D tMap;
@@ -80,12 +79,11 @@ if (uColored && uLines && vDefined > 0.999) {
   base *= mix(0.25, 1.0, smoothstep(0.5, 1.3, d));
 }
 vec3 key = normalize(vec3(-0.5, 0.75, 0.8)), fill = normalize(vec3(0.9, 0.1, 0.6));
-float open = vOpen;
-float light = 0.84 * max(dot(n, key), 0.0) * (1.0 - 0.4 * (1.0 - open))
-  + 0.20 * max(dot(n, fill), 0.0) * open
-  + mix(0.13, 0.32, 0.5 + 0.5 * n.y) * open;
+float light = 0.84 * max(dot(n, key), 0.0)
+  + 0.20 * max(dot(n, fill), 0.0)
+  + mix(0.13, 0.32, 0.5 + 0.5 * n.y);
 vec3 lit = base * light
-  + 0.06 * open * power40(max(dot(n, normalize(key - eye)), 0.0));
+  + 0.06 * power40(max(dot(n, normalize(key - eye)), 0.0));
 if (uWire > 0.0) {
   // Distances to the three sides and heights of the face, in pixels.
   vec3 slope = max(fwidth(vSide), vec3(1e-6));
@@ -314,7 +312,7 @@ function clear(width, height, grow = true) {
 
 /**
  * Draws a scene to fill a plain canvas. `scene`: `mesh` (faces, vertices),
- * `shape` (points with occlusion, normals), `values` or null, `camera`,
+ * `shape` (points, normals), `values` or null, `camera`,
  * `lookup` (colours as RGB bytes), `range`, and the switches `flat`, `wire`
  * and `lines`.
  */

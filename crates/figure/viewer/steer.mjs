@@ -1,12 +1,12 @@
 import {element} from './dom.mjs';
 
-/** What can be done with a picture. */
+/** Help on the keys and gestures of a picture. */
 const HOW = 'Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.';
 
 /**
- * Lets pointer, wheel and keys move a camera over a canvas. Told of it are `moved` (by hand),
- * `stepped` (by key), `rested`, `picked` with the place in parts of width and height, and `next`
- * with 1 or −1.
+ * Lets pointer, wheel and keys move a camera over a canvas. Calls `moved` (by hand), `stepped` (by
+ * key), `rested`, `picked` with the place as fractions of width and height, and `next` with 1 or
+ * −1.
  */
 export function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
   const fingers = new Map();
@@ -48,7 +48,7 @@ export function steer(canvas, camera, {moved, stepped, rested, picked, next}) {
   canvas.addEventListener('pointerup', lift);
   canvas.addEventListener('pointercancel', lift);
   canvas.addEventListener('wheel', (e) => {
-    // The page must scroll past a picture that nobody has touched.
+    // The page scrolls past a picture without focus.
     if (document.activeElement !== canvas && !e.ctrlKey) return;
     e.preventDefault();
     camera.zoom(Math.exp(e.deltaY * 0.001));

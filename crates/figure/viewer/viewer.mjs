@@ -1,98 +1,157 @@
 import {Camera} from './camera.mjs';
 import {lookupOf, rangeOf} from './colors.mjs';
-import {element} from './dom.mjs';
-import {ballOf, shape} from './geometry.mjs';
+import {element, readable} from './dom.mjs';
+import {ballOf, normals, shape} from './geometry.mjs';
 import {Picture, Pictures} from './pictures.mjs';
 
+/** Switches of the display and their labels. */
+const SWITCHES = {lines: 'isolines', wire: 'edges', flat: 'flat'};
+
 /**
- * Meshes side by side under one camera. A mesh is `{title, arrays, fields}`: positions, faces and
- * normals, and a map of values by the names of fields.
+ * Meshes side by side under one camera, in `root`, with `controls` of the display. A mesh is
+ * `{title, arrays, fields}`: positions, faces and perhaps normals, and a map of values by the names
+ * of fields.
  */
 export class Viewer extends Pictures {
   /**
-   * `root` holds the panels, `chosen` is told of a picked vertex, `labelled` gives name and unit of
-   * a field.
+   * `onPick` takes a picked vertex, `labelled` returns name and unit of a field; values are written
+   * with `digits`.
    */
-  constructor(root, maps, chosen, {camera = new Camera(25, 15), labelled = (field) => [field, '']} = {}) {
+  constructor(maps, {onPick = () => {}, camera = new Camera(25, 15), labelled = (field) => [field, ''], digits = 3} = {}) {
     super();
-    Object.assign(this, {root, maps, chosen, camera, labelled});
-    this.picked = -1;
-    this.state = {field: null, wire: false, lines: false, flat: false};
+    Object.assign(this, {maps, onPick, camera, labelled, digits});
+    this.state = {field: null, wire: false, lines: false, flat: false, picked: -1};
+    this.root = element('div', {class: 'panels'});
+    this.controls = this.display();
   }
 
-  /** Lets the controls of a page say how meshes are shown. */
-  follow({field, reset, ...parts}) {
+  display() {
+    const field = element('select', {'data-part': 'field'});
     field.addEventListener('input', () => this.change({field: field.value || null}));
-    for (const key of ['lines', 'wire', 'flat']) {
-      parts[key].addEventListener('input', () => this.change({[key]: parts[key].checked}));
-    }
-    reset.addEventListener('click', () => {
-      this.camera.reset();
-      this.redraw();
+    this.field = field;
+    this.switches = Object.keys(SWITCHES).map((key) => {
+      const box = element('input', {type: 'checkbox', 'data-part': key});
+      box.addEventListener('input', () => this.change({[key]: box.checked}));
+      return box;
     });
+    const boxes = this.switches.map((box) => element('label', {}, box, ` ${SWITCHES[box.dataset.part]}`));
+    this.colored = [element('label', {}, 'colour by ', field), boxes[0]];
+    const reset = element('button', {type: 'button', 'data-part': 'reset'}, 'reset the view');
+    reset.addEventListener('click', () => this.reset());
+    return element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, this.colored[0], ...boxes, reset);
   }
 
-  /** Shows these meshes; the first one decides where the camera looks. */
-  show(meshes) {
-    const [first] = meshes;
-    if (first) this.ball = ballOf(first.arrays.positions);
+  reset() {
+    this.camera.reset();
+    this.redraw();
+  }
+
+  get picked() {
+    return this.state.picked;
+  }
+
+  /** Shows these meshes; the camera looks at `ball`, which is that of the first one. */
+  show(meshes, ball = meshes.length ? ballOf([this.positions(meshes[0])]) : null) {
+    this.ball = ball;
     this.fit.disconnect();
     this.shown = [];
-    for (const mesh of meshes) this.add(this.picture(mesh));
+    for (const mesh of meshes) {
+      mesh.drawn ??= {faces: mesh.arrays.faces, vertices: mesh.arrays.positions.length / 3};
+      this.add(this.picture(mesh));
+    }
     this.root.replaceChildren(...this.shown.map(({panel}) => panel));
+    const names = this.names();
+    if (!names.includes(this.state.field)) this.state.field = null;
+    const option = (name) => element('option', {value: name}, this.labelled(name)[0]);
+    this.field.replaceChildren(...names.map(option), element('option', {value: ''}, 'nothing'));
+    for (const part of this.colored) part.hidden = !names.length;
     this.settle();
   }
 
   picture(mesh) {
-    const {positions, faces} = mesh.arrays;
-    const picture = Object.assign(new Picture(mesh.title, mesh.title), {mesh});
-    const counts = `${positions.length / 3} vertices, ${faces.length / 3} faces`;
-    picture.facts.append(element('span', {class: 'fact'}, counts));
+    const picture = Object.assign(new Picture(mesh.title, `${mesh.title}.`), {mesh});
+    const {vertices, faces} = mesh.drawn;
+    picture.facts.append(element('span', {class: 'fact'}, `${vertices} vertices, ${faces.length / 3} faces`));
     picture.facts.hidden = false;
-    mesh.drawn ??= {faces, vertices: positions.length / 3};
     return picture;
   }
 
-  choose(vertex) {
-    this.picked = vertex;
-    this.chosen(vertex);
-    this.redraw();
+  choose(picked) {
+    this.change({picked});
+    this.onPick(picked);
   }
 
   change(what) {
     Object.assign(this.state, what);
-    if ('field' in what) this.settle();
-    else this.redraw();
+    this.settle();
   }
 
-  scene({mesh}) {
-    const {field, ...switches} = this.state;
-    const {lookup, range} = this;
-    const values = mesh.fields.get(field) ?? null;
-    return {mesh: mesh.drawn, shape: this.shape(mesh), values, lookup, range, ...switches};
+  scene({mesh, values = null}) {
+    const {lookup, range, state: {wire, lines, flat}} = this;
+    return {mesh: mesh.drawn, shape: this.shape(mesh), values, lookup, range, wire, lines, flat};
   }
 
-  /** Points and normals of a mesh, scaled to the ball of the first one. */
-  shape({drawn, arrays: {positions, normals}}) {
-    if (drawn.ball !== this.ball) {
-      drawn.ball = this.ball;
-      drawn.shape = shape(positions, normals, this.ball);
+  /** Names of all fields that meshes can be coloured by. */
+  names() {
+    return [...new Set(this.shown.flatMap(({mesh}) => [...mesh.fields.keys()]))];
+  }
+
+  /** Where the vertices of a mesh are. */
+  positions({arrays}) {
+    return arrays.positions;
+  }
+
+  /** Values of the chosen field at the vertices of a mesh; null if it has none. */
+  values({fields}) {
+    return fields.get(this.state.field) ?? null;
+  }
+
+  /** The values at the ends of the colours. */
+  ends() {
+    return rangeOf(this.shown.map(({values}) => values).filter(Boolean));
+  }
+
+  /** Position and values of a vertex in each mesh that is seen. */
+  describe(vertex) {
+    const seen = this.shown.filter(({mesh, panel}) => !panel.hidden && vertex < mesh.drawn.vertices);
+    const parts = seen.map(({mesh}) => {
+      const place = [...this.positions(mesh).subarray(3 * vertex, 3 * vertex + 3)];
+      const words = place.map((x) => readable(x, this.digits + 1)).join(', ');
+      return [`${mesh.title}: (${words})`, ...this.valuesAt(mesh, vertex)].join('; ');
+    });
+    return `Vertex ${vertex}. ${parts.join('. ')}.`;
+  }
+
+  valuesAt({fields}, vertex) {
+    return [...fields].map(([name, values]) => `${this.labelled(name)[0]} ${readable(values[vertex], this.digits)}`);
+  }
+
+  /** Points and normals of a mesh, scaled to the ball of the camera. */
+  shape(mesh) {
+    const {ball} = this;
+    const {drawn} = mesh;
+    const positions = this.positions(mesh);
+    if (drawn.ball !== ball || drawn.positions !== positions) {
+      const directions = mesh.arrays?.normals ?? normals(positions, drawn.faces);
+      Object.assign(drawn, {ball, positions, shape: shape(positions, directions, ball)});
     }
     return drawn.shape;
   }
 
-  /** Brings colours and colour bars into line with the state, and draws. */
+  /** Brings colours, colour bars and controls into line with the state, and draws. */
   settle() {
-    const {field} = this.state;
-    const lists = this.shown.map(({mesh}) => mesh.fields.get(field)).filter(Boolean);
-    this.range = rangeOf(lists);
+    const {state} = this;
+    this.field.value = state.field ?? '';
+    for (const box of this.switches) box.checked = state[box.dataset.part];
+    for (const picture of this.shown) picture.values = picture.panel.hidden ? null : this.values(picture.mesh);
+    this.range = this.ends();
     this.lookup = lookupOf(this.maps[this.range[0] < 0 && this.range[1] > 0 ? 'coolwarm' : 'viridis']);
     const {range, lookup} = this;
-    const [name, unit] = this.labelled(field);
+    const [name, unit] = this.labelled(state.field);
     for (const picture of this.shown) {
-      const values = picture.mesh.fields.get(field);
+      const {values} = picture;
       picture.explain(values && {values, range, lookup, name, unit});
     }
-    this.redraw();
+    this.draw();
   }
 }

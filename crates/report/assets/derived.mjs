@@ -1,4 +1,5 @@
 import {Computing} from './computing.mjs';
+import {stopOf} from './data.mjs';
 import {normals} from '../../figure/viewer/geometry.mjs';
 
 /**
@@ -39,36 +40,55 @@ async function meanCurvature(positions, faces) {
 }
 
 /**
- * What a view can be coloured by beyond the fields that it brings along. A field with `ask` is
- * computed by it first, which returns whether there is something new.
+ * The fields of a view by name: the mode that is added, the fields in the data, and those that
+ * follow from them and from positions. A field has a function `values` of a panel and a combination
+ * of stops, which returns null if the panel lacks the field. If it has `ask`, this computes the
+ * values first, and returns true if there are new ones.
  */
-export function fieldsOf({from, truth, panels, fields: own}, meshes) {
-  const all = [];
-  const add = (name, unit, signed, values) => all.push({name, unit, signed, derived: values});
-  const reference = (view) => view.positions(meshes[from]);
-  if (from !== undefined) {
-    add('displacement', 'mesh units', false, (view, mesh) => pairs(view.positions(mesh), reference(view), distance));
+export function fieldsOf(view) {
+  const {from, truth, panels} = view.description;
+  const own = panels.flatMap(({fields}) => fields);
+  const ownOf = (mesh, name) => mesh.fields.find((field) => field.name === name);
+  const all = view.sum ? [view.sum.field()] : [];
+  for (const {name, unit, signed} of own) {
+    all.push({name, unit, signed, values: (mesh, at) => {
+      const field = ownOf(mesh, name);
+      return field ? stopOf(field.stops, at) : null;
+    }});
   }
-  if (truth !== undefined) {
-    add('distance off the truth', 'mesh units', true, (view, mesh) => off(view.positions(mesh), view.truth, mesh.faces));
-    add('normal error', '°', false, (view, mesh) => angles(view.positions(mesh), view.truth, mesh.faces));
+  if (from !== null) {
+    const reference = (at) => view.positions(panels[from], at);
+    all.push({name: 'displacement', unit: 'mesh units', signed: false, values: (mesh, at) => (
+      pairs(view.positions(mesh, at), reference(at), distance))});
   }
-  for (const field of own) {
-    if (!panels.some((p) => p.fields.some((f) => f.name === field.name && f.exact))) continue;
-    add(`error of ${field.name}`, field.unit, true, (view, mesh) => {
-      const given = mesh.fields.find((f) => f.name === field.name);
-      return given?.exact ? view.valuesOf(given).map((x, v) => x - given.exact[v]) : null;
-    });
+  if (truth) {
+    all.push({name: 'distance off the truth', unit: 'mesh units', signed: true, values: (mesh, at) => (
+      off(view.positions(mesh, at), truth, mesh.faces))});
+    all.push({name: 'normal error', unit: '°', signed: false, values: (mesh, at) => (
+      angles(view.positions(mesh, at), truth, mesh.faces))});
   }
-  if (!own.some((f) => f.name.startsWith('mean curvature'))) {
-    add('mean curvature', '1/mesh units', true, (view, mesh) => curvatures.get(view.positions(mesh)) ?? null);
-    all.at(-1).ask = async (view, mesh) => {
-      const positions = view.positions(mesh);
+  for (const {name, unit} of own.filter(({exact}) => exact)) {
+    all.push({name: `error of ${name}`, unit, signed: true, isError: true, values: (mesh, at) => {
+      const field = ownOf(mesh, name);
+      return field?.exact ? stopOf(field.stops, at).map((x, v) => x - field.exact[v]) : null;
+    }});
+  }
+  if (!own.some(({name}) => name.startsWith('mean curvature'))) all.push(curvatureField(view));
+  const named = new Map();
+  for (const field of all) if (!named.has(field.name)) named.set(field.name, field);
+  return named;
+}
+
+function curvatureField(view) {
+  return {
+    name: 'mean curvature', unit: '1/mesh units', signed: true,
+    values: (mesh, at) => curvatures.get(view.positions(mesh, at)) ?? null,
+    ask: async (mesh, at) => {
+      const positions = view.positions(mesh, at);
       if (curvatures.has(positions)) return false;
       if (!asked.has(positions)) asked.set(positions, meanCurvature(positions, mesh.faces));
       curvatures.set(positions, await asked.get(positions));
       return true;
-    };
-  }
-  return all;
+    },
+  };
 }

@@ -6,7 +6,7 @@ export function factorsOf(lambda) {
   return {explicit: (mu) => 1 + lambda * mu, implicit: (mu) => 1 / (1 - lambda * mu)};
 }
 
-/** What steps do to the roughest mode, in words. */
+/** The factor of the roughest mode after some steps, in words. */
 export function factorWords(lambda, count, mu) {
   const [one, other] = Object.values(factorsOf(lambda)).map((factor) => factor(mu));
   return `The roughest mode has μ = ${readable(mu)}. An explicit step multiplies it by 1 + λμ = ${readable(one)}, an implicit one by 1/(1 − λμ) = ${readable(other)}; ` +

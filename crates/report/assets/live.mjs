@@ -2,6 +2,7 @@ import {Computing} from './computing.mjs';
 import {element, readable} from '../../figure/viewer/dom.mjs';
 import {factorPlot, factorWords} from './factors.mjs';
 import {fitted} from './fitted.mjs';
+import {sliderRow} from './plots.mjs';
 
 /**
  * Explicit and implicit smoothing of a view's input, computed by the module, side
@@ -9,42 +10,38 @@ import {fitted} from './fitted.mjs';
  * input itself stays where it is.
  */
 export class LiveFlows {
-  /** For the first panel that brings its input along; null if none does. */
+  /** For the first panel that is smoothed here; null if none is. */
   static of(panels, truth, changed) {
     const source = panels.find((panel) => panel.live);
     return source ? new LiveFlows(source, truth, changed) : null;
   }
 
   constructor(source, truth, changed) {
-    this.input = source.live;
+    [this.input] = source.stops;
     this.truth = truth;
     this.faces = source.faces;
     this.changed = changed;
     this.on = false;
     this.task = 0;
-    this.done = 0;
     this.results = {};
-    const {vertices, faces, occlusion} = source;
+    const {vertices, faces} = source;
     this.panels = ['explicit', 'implicit'].map((flow) => (
-      {flow, title: flow, vertices, faces, occlusion, stops: [], fields: []}));
+      {flow, title: flow, vertices, faces, stops: [], fields: []}));
   }
 
   /** λ from 0.01 to 1000 and up to 100 steps, beginning just below the limit of closed meshes. */
   controls() {
-    const range = (label, attributes) => element('input', {type: 'range', 'aria-label': label, ...attributes});
-    this.lambda = range('λ', {min: -2, max: 3, step: 0.01, value: 0.12});
-    this.count = range('steps', {min: 0, max: 100, step: 1, value: 10});
-    this.lambdaText = element('output', {});
-    this.countText = element('output', {});
+    const run = () => this.run();
+    const lambda = sliderRow('λ', {min: -2, max: 3, step: 0.01, value: 0.12}, (x) => `λ = ${readable(10 ** x)}`, run);
+    const count = sliderRow('steps', {min: 0, max: 100, step: 1, value: 10}, (x) => `${x} steps`, run);
+    this.rows = [lambda, count];
+    [this.lambda, this.count] = [lambda.input, count.input];
     this.status = element('output', {class: 'status', 'aria-live': 'polite'});
     this.modes = element('div', {class: 'modes'});
-    for (const input of [this.lambda, this.count]) input.addEventListener('input', () => this.run());
     this.button = element('button', {type: 'button'}, 'smooth the input here');
     this.button.addEventListener('click', () => (this.on ? this.forget() : this.run()));
-    this.words();
-    this.sliders = element('div', {class: 'sliders', hidden: true},
-      element('div', {class: 'slider live'}, this.lambdaText, this.lambda),
-      element('div', {class: 'slider live'}, this.countText, this.count));
+    for (const {row} of this.rows) row.classList.add('live');
+    this.sliders = element('div', {class: 'sliders', hidden: true}, lambda.row, count.row);
     return [
       element('p', {class: 'hint'}, this.button, ' Explicit and implicit steps with uniform weights, computed in this page as you move. ', this.status),
       this.sliders,
@@ -54,14 +51,6 @@ export class LiveFlows {
 
   chosen() {
     return [10 ** Number(this.lambda.value), Number(this.count.value)];
-  }
-
-  words() {
-    const [lambda, count] = this.chosen();
-    this.lambdaText.textContent = `λ = ${readable(lambda)}`;
-    this.countText.textContent = `${count} steps`;
-    this.lambda.setAttribute('aria-valuetext', readable(lambda));
-    this.count.setAttribute('aria-valuetext', `${count} steps`);
   }
 
   /** Puts the results away. */
@@ -78,7 +67,6 @@ export class LiveFlows {
   /** The sliders as they were at first, and no results. */
   reset() {
     for (const input of [this.lambda, this.count]) input.value = input.defaultValue;
-    this.words();
     this.forget();
   }
 
@@ -103,11 +91,11 @@ export class LiveFlows {
     }
   }
 
-  /** Smooths as the sliders say; of the changes meanwhile the last one counts. */
+  /** Smooths with the values of the sliders; of changes meanwhile, the last one counts. */
   run() {
     this.task += 1;
     this.sliders.hidden = false;
-    this.words();
+    for (const {say} of this.rows) say();
     this.running ??= this.follow();
     return this.running;
   }
@@ -138,7 +126,6 @@ export class LiveFlows {
     const took = performance.now() - start;
     const shown = (result) => ({...fitted(this.input, result?.positions), angle: result?.angle ?? null});
     this.results = {explicit: shown(explicit), implicit: shown(implicit)};
-    this.done += 1;
     this.on = true;
     this.shown = [lambda, count];
     this.button.textContent = 'back to the measured steps';
@@ -155,11 +142,6 @@ export class LiveFlows {
     return Math.sqrt((3 * sum) / positions.length);
   }
 
-  /** Changes with what is shown. */
-  version() {
-    return `${this.on} ${this.done}`;
-  }
-
   drawn(flow) {
     return this.results[flow]?.positions ?? this.input;
   }
@@ -169,7 +151,7 @@ export class LiveFlows {
     return `${flow}, ${count} × ${readable(lambda)}${this.results[flow]?.note ?? ''}`;
   }
 
-  /** What one step does to the roughest mode, in words and as curves over all modes. */
+  /** The factor of the roughest mode in words, and curves over all modes. */
   factors(lambda, count) {
     const limit = 2 / -this.roughest;
     const verdict = lambda > limit
@@ -183,7 +165,7 @@ export class LiveFlows {
     return this.on ? `${this.lambda.value}~${this.count.value}` : '';
   }
 
-  /** Smooths as the address says. */
+  /** Smooths with the values in an address. */
   recall(text) {
     const [lambda, count] = (text ?? '').split('~').map(Number);
     if (!text || !Number.isFinite(lambda) || !Number.isInteger(count)) return;

@@ -94,7 +94,7 @@ export class ModeSum {
   field() {
     return {
       name: 'the mode being added', unit: '', signed: true, fixed: [-1, 1],
-      derived: (view, mesh) => {
+      values: (mesh) => {
         if (mesh !== this.mesh) return null;
         const vector = this.vectors[this.last()];
         const most = vector.reduce((m, x) => Math.max(m, Math.abs(x)), 0) || 1;

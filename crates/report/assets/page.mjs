@@ -2,7 +2,7 @@ import {Camera} from '../../figure/viewer/camera.mjs';
 import {colorMaps} from '../../figure/viewer/colors.mjs';
 import {DenoisingPlayground} from './denoising.mjs';
 import {DiffusionPlayground, OpeningPlayground} from './diffusion.mjs';
-import {element} from '../../figure/viewer/dom.mjs';
+import {element, reveal} from '../../figure/viewer/dom.mjs';
 import {EllipsoidPlayground} from './ellipsoid.mjs';
 import {NoisePlayground} from './noise.mjs';
 import {PlotPoints} from './points.mjs';
@@ -44,11 +44,6 @@ function standIn(figure, why) {
   figure.classList.add('still');
 }
 
-/** Opens what is folded around an element. */
-function reveal(inner) {
-  for (let at = inner.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
-}
-
 /** Opens what is folded around a figure, goes there, marks it alone and moves the focus to it. */
 function mark(figure) {
   for (const other of document.querySelectorAll('figure.marked')) other.classList.remove('marked');
@@ -67,7 +62,7 @@ function unfold(fold) {
   reachable(fold);
 }
 
-/** What scrolls sideways can be reached and scrolled by keys. */
+/** Makes boxes that scroll sideways reachable by keyboard. */
 function reachable(part) {
   for (const box of part.querySelectorAll('.wide, pre, .formula, figure.picture')) {
     if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
@@ -195,7 +190,7 @@ async function start() {
   // Paper has what is folded, but for tables of hundreds of rows.
   let opened = [];
   addEventListener('beforeprint', () => {
-    opened = [...document.querySelectorAll('details:not([open], .rows, .more)')];
+    opened = [...document.querySelectorAll('details:not([open], .rows)')];
     for (const fold of opened) {
       unfold(fold);
       fold.open = true;

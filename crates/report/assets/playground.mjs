@@ -14,7 +14,7 @@ class Stage extends Picture {
     this.scene = null;
   }
 
-  /** What is shown; `colors` has `values`, `range`, `map`, `name` and `unit`. */
+  /** Shows a mesh; `colors` has `values`, `range`, `map`, `name` and `unit`. */
   show(positions, faces, ball, {colors = null, flat = false, over = null} = {}) {
     if (this.mesh?.faces !== faces) this.mesh = {faces, vertices: positions.length / 3};
     const lookup = lookupOf(this.owner.maps[colors?.map ?? 'viridis']);
@@ -182,7 +182,7 @@ export class Playground extends Pictures {
     return this.settle();
   }
 
-  /** What the address says; values out of range become the nearest in range, as sliders have it. */
+  /** Restores the state in the address; sliders clamp values to their range. */
   recall() {
     this.wanted.split('~').forEach((text, i) => {
       const at = this.inputs[i];

@@ -1,8 +1,8 @@
 import {element, readable} from '../../figure/viewer/dom.mjs';
 
 /**
- * Points of plots: the one that is pointed at says its values, and moves the sliders of the view
- * that shows what it stands for. Arrow keys go from point to point.
+ * Points of plots: the one under the pointer shows its values and moves the sliders of the view
+ * of the same experiment. Arrow keys go from point to point.
  */
 export class PlotPoints {
   constructor(svg, views) {

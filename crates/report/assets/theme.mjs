@@ -1,4 +1,4 @@
-/** What this browser remembers of a name; nothing where it may not. */
+/** Stores a value if there is one, and returns the stored one; null if nothing can be stored. */
 function kept(name, value) {
   try {
     if (value !== undefined) localStorage.setItem(name, value);

@@ -203,7 +203,7 @@ const SEE: &str = "async (href) => {
     return !text || (!tip.hidden && tip.textContent.includes(text)) ? '' : `the line is not marked: ${tip?.textContent}`;
   }
   if (view.stages) return view.toText().startsWith(text) ? '' : view.toText();
-  const [, stops, field, , , , , , k] = text.split('!');
+  const [, stops, field, , , , k] = text.split('!');
   if (stops && stops !== view.state.stops.join('~')) return `stops ${view.state.stops}`;
   if (field && view.chosen()?.name !== field) return `coloured by ${view.chosen()?.name}`;
   return k && Number(view.sum.toText()) !== Number(k) ? `k = ${view.sum.toText()}` : '';

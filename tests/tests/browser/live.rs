@@ -104,7 +104,7 @@ fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(calm[0][1][1] != calm[0][2][1], "explicit and implicit look the same");
     ensure!(calm[0][1][0] == "explicit, 12 × 1" && calm[0][2][0] == "implicit, 12 × 1", "{calm}");
     ensure!(calm[1].as_str().is_some_and(|w| w.contains("no mode grows")), "{calm}");
-    ensure!(calm[2] == "1", "the slider announces {}", calm[2]);
+    ensure!(calm[2] == "λ = 1", "the slider announces {}", calm[2]);
     // 10^0.3 is just below 2, beyond every limit.
     let wild = chrome.run(&set(0.3))?;
     ensure!(wild[1].as_str().is_some_and(|w| w.contains("the mode grows")), "{wild}");

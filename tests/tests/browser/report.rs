@@ -134,13 +134,13 @@ fn combines(chrome: &mut Chrome, page: &Path) -> Result<()> {
                      s[k].dispatchEvent(new Event('input'));
                    }});
                    const v = fairing.views.get('q5-grid');
-                   const p = v.meshes[0].stops[v.combination()];
+                   const p = v.positions(v.meshes[0]);
                    const reach = (k) => Math.max(...p.filter((_, i) => i % 3 === k));
                    const words = [...document.querySelectorAll('#q5-grid .slider output')];
                    return [reach(0), reach(1), ...words.map((w) => w.textContent)];
                  }})()"
             ))?;
-            // Positions are stored in 16 bits.
+            // Positions after the first are rounded to 2⁻¹⁴ of the extent.
             for (k, expected) in [width, height].into_iter().enumerate() {
                 let reach = found[k].as_f64().unwrap_or(0.0);
                 ensure!((reach - expected).abs() < 1e-3, "{i}, {j}: {found}");
@@ -195,14 +195,11 @@ fn chooses(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let mut last = picture(chrome, 1)?.1;
     for change in [
-        "{field: 1}",
-        "{map: 'magma'}",
+        "{field: 'displacement'}",
         "{wire: true}",
         "{wire: false, lines: true}",
-        "{lines: false, even: true}",
-        "{even: false, flat: false}",
-        "{range: [0, 0.01]}",
-        "{field: -1}",
+        "{lines: false, flat: false}",
+        "{field: null}",
     ] {
         // Without values, only another stop changes the picture.
         chrome.run(&format!("fairing.views.get('q5-flow').change({{stops: [2], ...{change}}})"))?;
@@ -222,7 +219,7 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "(() => {
            const v = fairing.views.get('q5-flow');
            v.camera.turn(40, 10);
-           v.change({stops: [3], field: 1, map: 'turbo', wire: true, range: [0, 0.05]});
+           v.change({stops: [3], field: 'displacement', wire: true});
          })()",
     )?;
     let before = [picture(chrome, 0)?, picture(chrome, 1)?];
@@ -238,7 +235,7 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
         ensure!(picture(chrome, canvas)?.1 == before[canvas].1, "panel {canvas} came back changed");
     }
     // An invalid address must not break the page.
-    chrome.run("location.hash = '#q5-flow=!!!9e9!x!NaN~1!!-7&nobody=1'; 0")?;
+    chrome.run("location.hash = '#q5-flow=!9e9!x!NaN~1!-7!!&nobody=1'; 0")?;
     settle(chrome)?;
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())

@@ -67,7 +67,7 @@ fn flow() -> View {
     let moving = Panel::moving("smoothed", &input, stops.iter().map(TriMesh::positions))
         .with_field("height", "m", true, &heights)
         .with_moving_field("displacement", "m", false, moved.iter().map(|m| &m[..]))
-        .with_live_smoothing(&input);
+        .with_live_smoothing();
     View {
         id: "flow".into(),
         mesh: "noisy ball".into(),
@@ -84,9 +84,6 @@ fn flow() -> View {
     }
 }
 
-/// The values of a field without others.
-pub(crate) const FEW: [f64; 3] = [0.0, 382.0, 763.0];
-
 /// An open surface with undefined values at its boundary, far from the origin.
 fn open() -> View {
     let flower = shapes::flower(0.12, 1);
@@ -94,11 +91,9 @@ fn open() -> View {
     let border: Vec<u32> =
         (0..flower.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).collect();
     let values: Vec<f64> = flower.positions().iter().map(|p| p[0] * p[2]).collect();
-    let few: Vec<f64> = (0..values.len()).map(|v| FEW[v % 3]).collect();
     let panel = Panel::still("flower", &flower)
         .with_field("xz", "", true, &values)
-        .undefined_at(border.iter().copied())
-        .with_field("few", "", false, &few);
+        .undefined_at(border.iter().copied());
     View {
         id: "open".into(),
         caption: "An open surface.".into(),
@@ -311,8 +306,8 @@ pub(crate) fn publish(folder: &Path) -> Result<()> {
 
 /// Writes the data of a view as the runner does.
 fn keep(view: &View, folder: &Path) -> Result<ViewFile> {
-    let data = format!("{}.view", view.id);
-    std::fs::write(folder.join(&data), view.to_bytes()?)?;
+    let data = format!("{}.view.json", view.id);
+    std::fs::write(folder.join(&data), view.to_json()?)?;
     Ok(ViewFile {
         id: view.id.clone(),
         caption: view.caption.clone(),

@@ -94,7 +94,7 @@ fn turns(chrome: &mut Chrome, page: &Path) -> Result<()> {
     )?;
     let words = chrome.run("document.querySelector('[data-part=words]').textContent")?;
     let words = words.as_str().unwrap_or_default();
-    ensure!(words.starts_with("noisy: vertex 0 at (") && words.contains("\ntruth: "), "{words}");
+    ensure!(words.starts_with("Vertex 0. noisy: (") && words.contains(". truth: ("), "{words}");
     Ok(())
 }
 

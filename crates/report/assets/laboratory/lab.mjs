@@ -50,8 +50,9 @@ class Laboratory {
     this.undone = [];
     this.forms = {};
     this.task = 'curvature';
+    this.viewer = new Viewer(maps, {onPick: (vertex) => this.picked(vertex), labelled: (field) => this.labelled(field)});
+    document.querySelector('.seen').prepend(this.viewer.controls, this.viewer.root);
     this.part = Object.fromEntries([...document.querySelectorAll('[data-part]')].map((e) => [e.dataset.part, e]));
-    this.viewer = new Viewer(this.part.panels, maps, (vertex) => this.picked(vertex), {labelled: (field) => this.labelled(field)});
     this.build();
   }
 
@@ -103,7 +104,6 @@ class Laboratory {
     part.download.addEventListener('click', () => this.download());
     part.redo.addEventListener('click', () => this.redo());
     part.copy.addEventListener('click', () => this.copy());
-    this.viewer.follow(part);
     part.mode.addEventListener('input', () => this.guarded(() => this.mode(Number(part.mode.value))));
     this.turnTo(this.task);
   }
@@ -196,7 +196,7 @@ class Laboratory {
       this.undone = [];
       await this.push(value, name, request);
       this.name = request.verb === 'sample' ? `${name}.ply` : name;
-      this.viewer.picked = -1;
+      this.viewer.state.picked = -1;
       const {unwelded, faces, report} = value;
       if (!faces) this.say('This file has points without faces: there is nothing to draw and no neighbour to compute with.');
       else if (unwelded) this.say('The faces do not share their corners, as in STL files: run Repair first.');
@@ -276,13 +276,6 @@ class Laboratory {
   }
 
   show() {
-    const names = [...new Set(this.ends().flatMap(({fields}) => [...fields.keys()]))];
-    const {field} = this.part;
-    const {state} = this.viewer;
-    if (!names.includes(state.field)) state.field = null;
-    const option = (name) => element('option', {value: name}, this.labelled(name)[0]);
-    field.replaceChildren(element('option', {value: ''}, 'nothing'), ...names.map(option));
-    field.value = state.field ?? '';
     this.viewer.show(this.ends());
   }
 
@@ -426,16 +419,11 @@ class Laboratory {
   picked(vertex) {
     if (vertex < 0) return this.say('');
     this.forms[this.task].take(vertex);
-    const parts = this.ends().map(({title, arrays, fields}) => {
-      const at = [0, 1, 2].map((k) => readable(arrays.positions[3 * vertex + k], 4)).join(', ');
-      const values = [...fields].map(([name, x]) => `${this.labelled(name)[0]} ${readable(x[vertex])}`);
-      return `${title}: ${[`(${at})`, ...values].join('; ')}`;
-    });
-    this.say(`Vertex ${vertex}. ${parts.join('. ')}.`);
+    this.say(this.viewer.describe(vertex));
     if (this.task === 'distance') this.run(false);
   }
 
-  // What is kept.
+  // Export.
 
   /** The steps in a language, or as a link. */
   written(language) {

@@ -5,7 +5,7 @@
  * `input` is the name of the file with the first mesh.
  */
 
-/** Defaults of the laboratory that programs have to be told. */
+/** Defaults of the laboratory that differ from those of programs. */
 const TOLD = {
   noise: {sigma: '0.3'},
   reconstruct: {k: '50'},
@@ -26,7 +26,7 @@ function vertices(text) {
   });
 }
 
-/** The values of a request, with the defaults that programs have to be told. */
+/** The values of a request, with the defaults that differ from those of programs. */
 function told({verb, values}) {
   return {...TOLD[verb], ...values};
 }

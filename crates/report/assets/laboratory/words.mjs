@@ -58,7 +58,7 @@ function counted(verb, counts) {
   return each.length && `${verb} ${each.join(', ')}.`;
 }
 
-/** Sentences about the entries of reports; those that say nothing are empty. */
+/** Sentences about the entries of reports; empty if there is nothing to report. */
 const SENTENCES = {
   iterations: (count) => `${count} ${count === 1 ? 'step' : 'steps'}.`,
   stopped: (is) => is && 'The flow ended before its last step.',
@@ -80,7 +80,7 @@ const SENTENCES = {
   left: (left) => counted('Left', left),
 };
 
-/** What a task reports, in sentences. */
+/** The report of a task, in sentences. */
 export function reported(report) {
   const sentences = Object.entries(report ?? {}).map(([name, value]) => SENTENCES[name]?.(value));
   return sentences.filter(Boolean).join(' ');

@@ -336,7 +336,7 @@ impl OverLambda<'_> {
             stops.push((smoothed[k + 1].clone(), measured[k + 1]));
         }
         let of_stops: Vec<Measures> = stops.iter().map(|(_, measures)| *measures).collect();
-        let input = Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy);
+        let input = Panel::still("input", &model.noisy).with_live_smoothing();
         let moving = stops.iter().map(|(mesh, _)| mesh.positions());
         Ok(View {
             id: format!("{}-view", model.slug()),

@@ -3,49 +3,43 @@
 mod file;
 
 use fairing_mesh::TriMesh;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Panels shown side by side, with one camera, and perhaps sliders that move
 /// the vertices of all of them.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct View {
     /// Unique within the experiment.
     pub id: String,
     /// The caption.
     pub caption: String,
     /// The name of its mesh, for the list of meshes; none if empty.
-    #[serde(default)]
     pub mesh: String,
     /// The description for readers who cannot see the view.
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.
     pub fallback: String,
     /// True if the third axis points up; otherwise the second does, as in the figure.
-    #[serde(default)]
     pub z_up: bool,
     /// The sliders, top to bottom. What a panel shows is given for each
     /// combination of their stops, those of the last slider running fastest.
     pub sliders: Vec<Slider>,
     /// The stop at which each slider begins; the first if empty.
-    #[serde(default)]
     pub start: Vec<usize>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
     /// The field that gives the initial colours, possibly one that the page computes; by default
     /// the first field of the view.
-    #[serde(default)]
     pub color: Option<String>,
     /// The panel from which displacement counts, if the page is to offer it.
-    #[serde(default)]
     pub from: Option<usize>,
     /// True positions of the vertices of all panels: the page computes how far
     /// a panel is off them.
-    #[serde(skip)]
     pub truth: Option<Vec<[f64; 3]>>,
 }
 
 /// A slider with fixed stops.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Slider {
     /// The parameter of the slider: `k`, `λ`, `iterations`.
     pub name: String,
@@ -54,45 +48,39 @@ pub struct Slider {
 }
 
 /// One mesh of a view.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// The title.
     pub title: String,
     /// Positions at each combination of stops; one entry if it does not move.
-    #[serde(skip)]
     pub positions: Vec<Vec<[f64; 3]>>,
     /// The faces.
-    #[serde(skip)]
     pub faces: Vec<[u32; 3]>,
     /// The fields to choose from; the first is shown.
     pub fields: Vec<Field>,
-    /// The input in double precision, if the page smooths it at any λ and number of steps. At most
-    /// one panel of a view has it.
-    #[serde(skip)]
-    pub live: Option<Vec<[f64; 3]>>,
+    /// True if the page smooths the first positions at any λ and number of steps; of at most one
+    /// panel of a view.
+    pub live: bool,
     /// Modes for sums over a variable number of them; the panel then shows the sums instead of the
     /// positions.
-    #[serde(default)]
     pub modes: Option<Modes>,
     /// Facts measured for this panel.
-    #[serde(default)]
     pub facts: Vec<Fact>,
 }
 
 /// Modes, ascending in their eigenvalues.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     /// The eigenvalues.
     pub values: Vec<f64>,
     /// The coefficients of the positions in each mode, by coordinate.
     pub coefficients: Vec<[f64; 3]>,
     /// The modes at the vertices.
-    #[serde(skip)]
     pub vectors: Vec<Vec<f64>>,
 }
 
 /// A measured fact about a panel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fact {
     /// The name.
     pub name: String,
@@ -103,7 +91,7 @@ pub struct Fact {
 }
 
 /// Values to colour vertices by.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// The name, as on the colour bar.
     pub name: String,
@@ -112,21 +100,11 @@ pub struct Field {
     /// True if zero is the middle of the colours.
     pub signed: bool,
     /// Values at each combination of stops; one entry if they do not change.
-    #[serde(skip)]
     pub values: Vec<Vec<f64>>,
     /// The vertices without a value, ascending; their entries in the values are ignored.
-    #[serde(default)]
     pub undefined: Vec<u32>,
     /// The exact values, where the surface has some: the page shows errors, too.
-    #[serde(skip)]
     pub exact: Option<Vec<f64>>,
-}
-
-impl View {
-    /// The number of combinations of stops; one without sliders.
-    pub fn combinations(&self) -> usize {
-        self.sliders.iter().map(|s| s.stops.len()).product()
-    }
 }
 
 impl Slider {
@@ -144,7 +122,7 @@ impl Panel {
             positions: vec![mesh.positions().to_vec()],
             faces: mesh.faces().to_vec(),
             fields: vec![],
-            live: None,
+            live: false,
             modes: None,
             facts: vec![],
         }
@@ -209,11 +187,11 @@ impl Panel {
         self
     }
 
-    /// The same panel, which the page smooths implicitly with uniform weights,
-    /// `(I − λL) x′ = x` step by step, beginning at these positions.
+    /// The same panel, whose first positions the page smooths with uniform weights, explicitly and
+    /// implicitly.
     #[must_use]
-    pub fn with_live_smoothing(self, mesh: &TriMesh) -> Self {
-        Self { live: Some(mesh.positions().to_vec()), ..self }
+    pub fn with_live_smoothing(self) -> Self {
+        Self { live: true, ..self }
     }
 
     /// The same panel, which shows as many of these modes as the reader likes.

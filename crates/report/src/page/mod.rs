@@ -5,7 +5,6 @@
 
 pub mod mathml;
 
-mod base85;
 mod bibliography;
 mod html;
 mod layout;
@@ -17,7 +16,6 @@ mod render;
 mod snippets;
 mod story;
 mod thumbnail;
-mod views;
 
 pub use html::laboratory;
 pub use markdown::{claim_table, summary};

@@ -5,8 +5,8 @@ import {Worker} from 'node:worker_threads';
 import {gunzipSync} from 'node:zlib';
 import {Client} from '../../assets/client.mjs';
 
-// What a browser gives to the script of a worker. The next request with `breaks` panics while it
-// shows its progress, and one with `fills` finds no memory left.
+// The globals that a browser gives to the script of a worker. The next request with `breaks` panics
+// while it shows its progress, and one with `fills` finds no memory left.
 const script = JSON.stringify(new URL('../../assets/worker.mjs', import.meta.url).href);
 const source = `
 const {parentPort} = require('node:worker_threads');
@@ -56,7 +56,7 @@ const [good, bad, later] = await Promise.allSettled([
 assert.equal(bad.reason.message, 'there is no mesh 99');
 assert.deepEqual(good.value.arrays.positions, later.value.arrays.positions);
 
-// Long work says how far it is, and ends where it is cancelled; the mesh and its fields survive.
+// Long work reports its progress and can be cancelled; the mesh and its fields survive.
 const stages = new Set();
 const long = client.call({verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}}, {
   onProgress: (stage) => {
@@ -71,7 +71,7 @@ const again = await client.call({verb: 'smooth', mesh: value.mesh});
 assert.deepEqual(again.arrays.positions, good.value.arrays.positions);
 assert.deepEqual(again.value.dropped, ['mean']);
 
-// So they do after a defect and where memory runs out, of which the page hears in words.
+// Meshes also survive a panic or an out-of-memory error, which the page receives as a message.
 const heavy = {verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}};
 const broken = client.call(heavy);
 alive.onerror({message: 'a defect'});

@@ -72,7 +72,7 @@ fn document(title: &str, contents: &str, main: &str) -> Result<String> {
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
         title = escape(title),
-        maps = color_maps(&ColorMap::ALL),
+        maps = color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]),
         font = math_font(),
     );
     page += &computing::elements(MODULE)?;

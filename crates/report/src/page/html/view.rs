@@ -1,4 +1,4 @@
-//! A view as a part of the page: its description, its data and its place.
+//! A view as a part of the page: its data and its place.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -6,9 +6,9 @@ use std::path::Path;
 
 use crate::model::results::ViewFile;
 use anyhow::{Context as _, Result};
+use serde_json::Value;
 
 use super::html::{escape, script_json};
-use crate::page::views::Packed;
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
 /// unique on the page, `fallback` the id of the picture that takes its place
@@ -22,9 +22,9 @@ pub(super) fn figure(
     label: &str,
     folder: &Path,
 ) -> Result<String> {
-    let text = fs::read_to_string(folder.join(&view.data));
-    let packed = text.map_err(Into::into).and_then(|text| Packed::read(&text));
-    let Packed { about, data, .. } = packed.with_context(|| format!("reading {}", view.data))?;
+    let reading = || format!("reading {}", view.data);
+    let text = fs::read_to_string(folder.join(&view.data)).with_context(reading)?;
+    let data: Value = serde_json::from_str(&text).with_context(reading)?;
     let mut html = String::new();
     let _ = write!(
         html,
@@ -32,14 +32,13 @@ pub(super) fn figure(
          <div class=\"stage\"><p class=\"hint\">{alt}</p></div>{paper}\
          <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }}</style></noscript>\
          <figcaption>{label}{caption}</figcaption>\
-         <script class=\"about\" type=\"application/json\">{about}</script>\
-         <script class=\"data\" type=\"text/plain\">{data}</script></figure>",
+         <script class=\"data\" type=\"application/json\">{data}</script></figure>",
         id = escape(id),
-        panels = about["panels"].as_array().map_or(0, Vec::len),
+        panels = data["panels"].as_array().map_or(0, Vec::len),
         fallback = escape(fallback),
         alt = escape(&view.alt),
         caption = escape(&view.caption),
-        about = script_json(&about),
+        data = script_json(&data),
     );
     Ok(html)
 }

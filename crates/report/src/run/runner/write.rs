@@ -4,15 +4,21 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
+use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use rayon::prelude::*;
 
 use crate::experiment::outcome::{Attachment, Content, MeshOutput, Outcome};
 use crate::experiment::palette;
-use crate::model::results::{FigureFile, File, Record, ViewFile};
+use crate::model::results::{FigureFile, File, MeshCard, Record, ViewFile};
+use crate::model::view::View;
 
 /// Pictures of a small report have at most this width, in pixels: about what a code host shows.
 const SMALL: usize = 690;
+
+/// Width and height in pixels of small pictures of meshes: twice what the page shows.
+const THUMBNAIL: [u32; 2] = [240, 180];
 
 /// Writes tables, figures and meshes into `work/id`, and enters them into the
 /// record with paths relative to `work`.
@@ -58,17 +64,37 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
     record.tables = outcome.tables;
     record.notes = outcome.notes;
     for view in &outcome.views {
-        let data = keep(format!("{}.view", view.id), &view.to_bytes()?, &view.caption)?.path;
+        let json = view.to_json()?;
+        let data = keep(format!("{}.view.json", view.id), json.as_bytes(), &view.caption)?.path;
         record.views.push(ViewFile {
             id: view.id.clone(),
             caption: view.caption.clone(),
             alt: view.alt.clone(),
             fallback: view.fallback.clone(),
             data,
-            mesh: None,
+            mesh: mesh_card(view, &format!("{id}/{}-mesh.png", view.id), work)?,
         });
     }
     Ok(())
+}
+
+/// Draws the mesh of a view that names it: the first panel that does not move.
+fn mesh_card(view: &View, path: &str, work: &Path) -> Result<Option<MeshCard>> {
+    let still = view.panels.iter().find(|panel| panel.positions.len() == 1);
+    let Some(panel) = still.filter(|_| !view.mesh.is_empty()) else { return Ok(None) };
+    let mesh = TriMesh::new(panel.positions[0].clone(), panel.faces.clone())?;
+    let [width, height] = THUMBNAIL;
+    let options = RenderOptions { width, height, ..RenderOptions::default() };
+    let up = if view.z_up { Up::Z } else { Up::Y };
+    let camera = Camera::fit(&[&mesh], Viewpoint::ThreeQuarter, up, options.aspect())?;
+    let image = render(&mesh, Colors::CLAY, None, &camera, &options)?;
+    fs::write(work.join(path), image.to_png()?).with_context(|| format!("writing {path}"))?;
+    Ok(Some(MeshCard {
+        name: view.mesh.clone(),
+        vertices: mesh.vertex_count(),
+        faces: mesh.face_count(),
+        picture: path.into(),
+    }))
 }
 
 /// Writes a mesh and its fields.
