@@ -56,7 +56,7 @@ impl EveryEstimator {
         });
         let caption = format!(
             "Colour is error. {} The error of H on a torus with jittered vertices.",
-            seen::errors(&[(baseline.0, &baseline.1.values), (chosen.0, &chosen.1.values)])
+            seen::errors(&[(baseline.0, &baseline.1.values), (chosen.0, &chosen.1.values)])?
         );
         gallery::errors(
             "torus",
