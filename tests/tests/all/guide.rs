@@ -219,6 +219,7 @@ fn advice_on_estimators_is_that_of_the_table() {
     assert_eq!(rows.len(), Estimator::all().len());
     let shown = |x: f64| match x {
         x if x >= 9.95 => format!("{x:.0}"),
+        x if x < 0.995 => format!("{x:.2}"),
         x => format!("{x:.1}"),
     };
     for (name, numbers) in &rows {

@@ -419,7 +419,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     }
     .draw(
         body.name,
-        &TEXT.say("figure body", values! { best: seen::best_and_worst(&errors), body: name })?,
+        &TEXT.say("figure body", values! { best: seen::best_and_worst(&errors)?, body: name })?,
         &TEXT.say("figure body alt", values! { body: name, count: restored.len() - 1 })?,
     )
 }

@@ -13,12 +13,13 @@ use super::gallery::plotted;
 use super::ordinary;
 use super::refinement::second_order;
 use super::samples::{Layout, Sample};
+use super::seen;
 use super::study::{MEASURES, Study, exact_values};
 use super::surfaces::TestSurface;
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
-use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief, short};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
 
@@ -30,38 +31,17 @@ const BAR: f64 = 1.7;
 /// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Curvature,
-        "Cotangents and angle defects use direct neighbours only. What do estimators gain that fit a surface \
-                to more neighbours?",
-    )
-    .commands(&["fairing curvature --list  # all of them, with their parameters", "fairing curvature mesh.ply -o curved.ply"])
-    .edge_lengths_of("each mesh")
-    .sources(&["cazals2005", "cohensteiner2003", "lachaud2020", "rusinkiewicz2004", "panozzo2010", "sullivan2008"])
-    .notation(&["h", "\\varepsilon"])
-    .shows(&["torus-view", "ordinary-mean", "largest-mean"], &[])
-    .names(&[("largest-gaussian", "the largest error of K"), ("ordinary", "errors at ordinary sizes"), ("choice", "each estimator beside the best"), ("normals", "weights of vertex normals"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])
-}
+static TEXT: Text = Text::new("estimators", include_str!("../../text/estimators.md"));
 
 impl Experiment for Estimators {
     fn card(&self) -> Card {
-        Card {
-            id: "estimators",
-            title: "Curvature estimators side by side",
-            question: "Which estimator is best on meshes of ordinary size, which converges on irregular ones, and when should each be used?".into(),
-            method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges leaves no vertex wrong in the limit.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.\n\nOrders say little about the meshes that people have. So all estimators also run on torus, ellipsoid and graph of a hundred to ten thousand vertices, clean and with noise of 0.03 and 0.12 edge lengths along the normals, and each is compared with the best on the same mesh.".into(),
-            formulas: vec![r"\text{order} = \frac{\log(\varepsilon_1 / \varepsilon_2)}{\log(h_1 / h_2)}".into()],
-            section: section(),
-            inputs: &[],
-            parameters: Estimator::all().iter().map(|e| (e.name(), e.description().into())).collect(),
-        }
+        let parameters = Estimator::all().into_iter().map(|e| (e.name(), e.description().into()));
+        TEXT.card(&[], parameters.collect(), &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let levels: Vec<u32> = context.choose(2..=6, 2..=4).collect();
-        let (mut errors, mut orders) = (errors_table(), orders_table());
+        let (mut errors, mut orders) = (errors_table()?, orders_table()?);
         for (s, sample) in Sample::ALL.into_iter().enumerate() {
             context.progress(s as f64 / Sample::ALL.len() as f64, sample.name());
             let meshes: Vec<(Layout, u32, u64)> = Layout::ALL
@@ -97,53 +77,30 @@ impl Experiment for Estimators {
         let [ordinary, choice, normals] = ordinary::tables(context)?;
         figures.push(ordinary::plot(&ordinary)?);
         let tables = vec![errors, orders, times, ordinary, choice, normals];
-        Ok(Outcome { tables, figures, views: vec![torus.view()], ..Outcome::default() })
+        Ok(Outcome { tables, figures, views: vec![torus.view()?], ..Outcome::default() })
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let orders = tables.get("orders")?;
         let mut worst = least_orders(orders)?;
-        let reaching: Vec<&str> =
-            worst.iter().filter(|(_, order)| *order >= BAR).map(|(name, _)| *name).collect();
+        let reaching = worst.iter().filter(|(_, order)| *order >= BAR);
+        let reaching: Vec<String> = reaching.map(|(name, _)| in_words(name).into()).collect();
         let (best, order) = worst
             .iter()
             .copied()
             .fold(("", f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a });
-        let (verdict, reason) = if reaching.is_empty() {
-            (
-                Verdict::Refuted,
-                format!("None does; the least order of {best} is the highest, {}.", brief(order)),
-            )
-        } else {
-            (
-                Verdict::Confirmed,
-                format!(
-                    "On the jittered sphere, torus and ellipsoid {} of the {} estimators {}, for both H and K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
-                    reaching.len(),
-                    worst.len(),
-                    if reaching.len() == 1 { "does" } else { "do" },
-                    listed(&reaching),
-                    brief(order),
-                    brief(worst[0].1),
-                ),
-            )
+        let baseline = worst.iter().find(|(name, _)| *name == BASELINE);
+        let (_, baseline) = *baseline.context("the baseline is no estimator")?;
+        let is_reached = !reaching.is_empty();
+        let verdict = if is_reached { Verdict::Confirmed } else { Verdict::Refuted };
+        let values = values! {
+            bar: BAR, count: reaching.len(), all: worst.len(), reaching: seen::list(&reaching),
+            best: in_words(best), order, baseline,
         };
-        let mut judgement = Judgement::new(
-            "estimators",
-            &format!("Some estimator converges at every vertex of jittered meshes, with order {BAR} or more"),
-            verdict,
-            reason,
-        )
-        .finding(match reaching.is_empty() {
-            true => "None of the estimators does.".to_string(),
-            false => format!(
-                "Of the {} estimators it holds only for {}, in both H and K.",
-                Estimator::all().len(),
-                listed(&reaching),
-            ),
-        })
-        .ours()
-        .shown(Shown::line("estimators", "largest-mean", best));
+        let mut judgement = TEXT
+            .judgement("estimators", verdict, values)?
+            .ours()
+            .shown(Shown::line("estimators", "largest-mean", best));
         // The best one first: tables of claims show it.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (name, order) in worst {
@@ -174,18 +131,6 @@ fn least_orders(orders: &Table) -> Result<Vec<(&'static str, f64)>> {
         worst.push((estimator.name(), least));
     }
     Ok(worst)
-}
-
-/// Names with commas, and a word before the last.
-fn listed(names: &[&str]) -> String {
-    match names.split_last() {
-        Some((last, [])) => in_words(last).into(),
-        Some((last, others)) => {
-            let others: Vec<&str> = others.iter().map(|name| in_words(name)).collect();
-            format!("{} and {}", others.join(", "), in_words(last))
-        }
-        None => String::new(),
-    }
 }
 
 /// An estimator in words, where its name is short for them.
@@ -237,10 +182,10 @@ impl Refinement {
     }
 }
 
-fn errors_table() -> Table {
+fn errors_table() -> Result<Table> {
     let mut errors = Table::new(
         "errors",
-        "Errors against exact curvature at inner vertices. Root mean square and largest, over the root mean square of the exact values (of κ₁ for both principal ones). Directions: root mean square angle between the estimated and the true direction of κ₁ where the exact κ₁ − κ₂ is more than a tenth of its largest value.",
+        &TEXT.say("table errors", &[])?,
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -263,24 +208,20 @@ fn errors_table() -> Table {
         // Values where estimators are exact up to rounding amplify it.
         errors = errors.tolerance(name, Some(Tolerance { relative: 1e-4, absolute: 1e-7 }));
     }
-    errors
+    Ok(errors)
 }
 
-fn orders_table() -> Table {
+fn orders_table() -> Result<Table> {
     let columns: Vec<(&str, Unit)> = ["surface", "sampling", "estimator"]
         .map(|c| (c, Unit::Label))
         .into_iter()
         .chain(MEASURES.map(|c| (c, Unit::Order)))
         .collect();
-    let mut table = Table::new(
-        "orders",
-        "Observed orders of convergence between the first and the last of the three finest meshes. At order 2 half the edge length gives a quarter of the error; at order 0 the error stays.",
-        &columns,
-    );
+    let mut table = Table::new("orders", &TEXT.say("table orders", &[])?, &columns);
     for name in MEASURES {
         table = table.tolerance(name, Some(Tolerance { relative: 0.0, absolute: 0.02 }));
     }
-    table
+    Ok(table)
 }
 
 fn order_row(
@@ -305,7 +246,7 @@ fn order_row(
 fn times(level: u32, context: &Context<'_>) -> Result<Table> {
     let mut times = Table::new(
         "times",
-        "Seconds per vertex on the jittered torus next to the finest, topology not counted: the least of three runs on one thread.",
+        &TEXT.say("table times", &[])?,
         &[("estimator", Unit::Label), ("time per vertex", Unit::Seconds)],
     );
     let torus = Sample::Closed(TestSurface::Torus);
@@ -356,16 +297,12 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
     }
+    let values = values! { quantity: what, baseline: BASELINE, rounding: ROUNDING };
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
-        &format!(
-            "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. In colour are the two estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
-            short(ROUNDING)
-        ),
-        &format!(
-            "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."
-        ),
+        &TEXT.say("figure", values)?,
+        &TEXT.say("figure alt", values)?,
     )
 }
 

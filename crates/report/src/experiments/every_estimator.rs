@@ -11,7 +11,10 @@ use super::seen;
 use super::surfaces::TestSurface;
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
+use crate::experiment::text::{Text, values};
 use crate::model::view::{Panel, Slider, View};
+
+static TEXT: Text = Text::new("every_estimator", include_str!("../../text/every_estimator.md"));
 
 /// Estimates and true values.
 pub(super) struct EveryEstimator {
@@ -54,14 +57,12 @@ impl EveryEstimator {
             let status = (field.status.clone(), field.boundary.clone());
             (Estimator::all()[i].name(), ScalarCurvature::new(errors, status.0, status.1))
         });
-        let caption = format!(
-            "Colour is error. {} The error of H on a torus with jittered vertices.",
-            seen::errors(&[(baseline.0, &baseline.1.values), (chosen.0, &chosen.1.values)])
-        );
+        let errors = [(baseline.0, &baseline.1.values[..]), (chosen.0, &chosen.1.values)];
+        let seen = seen::errors(&errors)?;
         gallery::errors(
             "torus",
-            &caption,
-            "A torus twice, coloured by the errors of two estimators.",
+            &TEXT.say("figure", values! { seen })?,
+            &TEXT.say("figure alt", &[])?,
             &self.mesh,
             &[baseline, chosen],
             occlusion,
@@ -69,16 +70,14 @@ impl EveryEstimator {
     }
 
     /// One estimator beside that of a slider.
-    pub(super) fn view(&self) -> View {
+    pub(super) fn view(&self) -> Result<View> {
         let [baseline, chosen] = self.shown;
         let name = Estimator::all()[baseline].name();
-        View {
+        Ok(View {
             id: "torus-view".into(),
             mesh: "fine jittered torus".into(),
-            caption: format!(
-                "Colour is error. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
-            ),
-            alt: "A torus twice, to turn, coloured by the error of curvature, with a slider over estimators.".into(),
+            caption: TEXT.say("view", values! { name })?,
+            alt: TEXT.say("view alt", &[])?,
             fallback: "torus".into(),
             z_up: true,
             sliders: vec![Slider::new("estimator", Estimator::all().iter().map(Estimator::name))],
@@ -89,7 +88,7 @@ impl EveryEstimator {
                 self.panel("estimator of the slider", &self.fields),
             ],
             ..View::default()
-        }
+        })
     }
 
     /// H by some estimators, a stop for each, with the errors of H and of K.

@@ -5,15 +5,16 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
-use fairing_sparse::{larger, median, smaller};
+use fairing_sparse::{larger, median};
 use rayon::prelude::*;
 
 use super::gallery::plotted;
+use super::statistics::extremes;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
-use crate::model::table::{Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
 
@@ -27,49 +28,22 @@ const DISTURBED: f64 = 0.05;
 
 const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Curvature,
-        "So far the vertices were on the surface. Measured meshes are noisy, and the two curvatures \
-                react differently.",
-    )
-    .commands(&["fairing noise mesh.ply -o noisy.ply --sigma 0.1 --kind axes --seed 2021  # σ in mean edge lengths", "fairing curvature noisy.ply -o curved.ply --estimator cotangent --area mixed"])
-    .edge_lengths_of("the mesh without noise")
-    .sources(&["meyer2003", "sullivan2008"])
-    .shows(&["changes"], &[])
-    .names(&[("changes", "changes of H and K under noise"), ("totals", "the sum of all angle defects")])
-    .playground(
-        "noise",
-        "Relative to its size K changes more than H, because it has the unit of H²; the sum of all angle defects \
-            does not change at all. Both surfaces show the error of the estimate in the same colours, over the root mean \
-            square of the exact curvature. Drag the noise; a click shows exact value, estimate and error at a vertex.",
-        "A torus or a sphere twice, with noise, coloured by the errors of its mean and of its Gaussian curvature.",
-    )
-}
+static TEXT: Text = Text::new("noise", include_str!("../../text/noise.md"));
 
 impl Experiment for Noise {
     fn card(&self) -> Card {
-        Card {
-            id: "noise",
-            title: "Curvature under noise",
-            question: "Does noise disturb mean but not Gaussian curvature?".into(),
-            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. We ask whether K changes, and whether it changes more than H. K is a product of two curvatures and has the unit of H², so that a small relative error of H is twice as large in K by algebra alone. So H is compared with √|K|, taken with the sign of K, which has its unit. Each change is measured against the same estimator on the clean mesh, relative to the root mean square of the clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
-            formulas: vec![],
-            section: section(),
-            inputs: &[],
-            parameters: vec![
-                ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
-                ("noise", "Gaussian, independent in each coordinate".into()),
-            ],
-        }
+        let parameters = vec![
+            ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
+            ("noise", "Gaussian, independent in each coordinate".into()),
+        ];
+        TEXT.card(&[], parameters, &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let seeds = context.choose(4, 2);
         let levels = context.choose(3..=5, 2..=4);
         let steps = SURFACES.len() * levels.clone().count();
-        let (mut changes, mut totals) = (changes_table(), totals_table());
+        let (mut changes, mut totals) = (changes_table()?, totals_table()?);
         let mut step = 0;
         for surface in SURFACES {
             for level in levels.clone() {
@@ -112,55 +86,38 @@ impl Experiment for Noise {
         let ratios = changes.column("√|K| over H")?;
         let errors = changes.column("standard error")?.into_iter().zip(ratios);
         let error = errors.map(|(error, ratio)| error / ratio).fold(0.0, larger);
-        let least = LEVELS[0];
-        let faint = plain.only(&[("σ/h", least.into())])?.column("change of K")?;
-        let [k_low, k_high] = [
-            faint.iter().copied().fold(f64::INFINITY, smaller),
-            faint.iter().copied().fold(0.0, larger),
-        ];
+        let faint = plain.only(&[("σ/h", LEVELS[0].into())])?;
+        let [k_low, k_high] = extremes(faint.column("change of K")?);
+        let [h_low, h_high] = extremes(faint.column("change of H")?);
         let verdict = match (k_low > DISTURBED, k_high < DISTURBED) {
             (true, _) => Verdict::Refuted,
             (_, true) if high < DISTURBED => Verdict::Confirmed,
             _ => Verdict::Qualified,
         };
-        let reason = format!(
-            "Noise disturbs both. Noise of {least} h, the least tried, changes K by {} to {} % of its size with angle defects, finer meshes more. In the unit of H, √|K| changes {} to {} times as much as H, in the median {} times; over all estimators the median is {} and the least {}. The standard error of such a ratio is at most {} % of it. Only the sum of K does not change: the angle defects add up to 2πχ within {}.",
-            brief(100.0 * k_low),
-            brief(100.0 * k_high),
-            brief(low),
-            brief(high),
-            brief(middle),
-            brief(all_middle),
-            brief(all_low),
-            brief(100.0 * error),
-            brief(total),
-        );
+        let values = values! {
+            level: LEVELS[0], k_low, k_high, h_low, h_high, low, high, middle, all_middle, all_low,
+            error, total,
+        };
         Ok(vec![
-            Judgement::new(
-                "1a",
-                "Mean curvature is disturbed by noise, Gaussian curvature is not",
-                verdict,
-                reason,
-            )
-            .finding(format!(
-                "Noise disturbs both: noise of {least} h changes K by {} % or more. √|K|, which has the unit of H, changes {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
-                brief(100.0 * k_low),
-                brief(middle)
-            ))
-            .shown(Shown::playground("noise", &[&0.1, &14, &"torus", &"error"]))
-            .number(&format!("least change of K at {least} h"), 100.0 * k_low, Unit::Percent)
-            .number("median change of √|K| over that of H", middle, Unit::One)
-            .number("least", low, Unit::One)
-            .number("median over all estimators", all_middle, Unit::One)
-            .number("largest distance of the total from 2πχ", total, Unit::Radians),
+            TEXT.judgement("1a", verdict, values)?
+                .shown(Shown::playground("noise", &[&0.1, &14, &"torus", &"error"]))
+                .number(
+                    &format!("least change of K at {} h", LEVELS[0]),
+                    100.0 * k_low,
+                    Unit::Percent,
+                )
+                .number("median change of √|K| over that of H", middle, Unit::One)
+                .number("least", low, Unit::One)
+                .number("median over all estimators", all_middle, Unit::One)
+                .number("largest distance of the total from 2πχ", total, Unit::Radians),
         ])
     }
 }
 
-fn changes_table() -> Table {
+fn changes_table() -> Result<Table> {
     let mut changes = Table::new(
         "changes",
-        "Root mean square change under noise, over vertices and seeds, relative to the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. √|K| has the sign of K. The standard error is that of √|K| over H, from its spread over the seeds.",
+        &TEXT.say("table changes", &[])?,
         &[
             ("surface", Unit::Label),
             ("vertices", Unit::Count),
@@ -186,21 +143,21 @@ fn changes_table() -> Table {
     ] {
         changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
     }
-    changes.aside(&["standard error", "ranks of H", "ranks of K"])
+    Ok(changes.aside(&["standard error", "ranks of H", "ranks of K"]))
 }
 
-fn totals_table() -> Table {
-    Table::new(
+fn totals_table() -> Result<Table> {
+    let totals = Table::new(
         "totals",
-        "The largest distance of the sum of all angle defects from 2πχ under noise, over seeds.",
+        &TEXT.say("table totals", &[])?,
         &[
             ("surface", Unit::Label),
             ("vertices", Unit::Count),
             ("σ/h", Unit::EdgeLengths),
             ("largest distance", Unit::Radians),
         ],
-    )
-    .tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 }))
+    );
+    Ok(totals.tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 })))
 }
 
 /// A row for each estimator.
@@ -361,19 +318,14 @@ fn finest_rows(changes: &Table) -> Result<Vec<f64>> {
 }
 
 /// The effect visible in the plot, from the changes of √|K| over those of H.
-fn seen(ratios: &[f64]) -> String {
-    let least = ratios.iter().copied().fold(f64::INFINITY, smaller);
-    let most = ratios.iter().copied().fold(0.0, larger);
-    let range = format!("{} to {} times", brief(least), brief(most));
-    match (least > 1.0, most < 1.0) {
-        (true, _) => {
-            format!("For every estimator the line of √|K| is above that of H, {range} as high.")
-        }
-        (_, true) => {
-            format!("For every estimator the line of √|K| is below that of H, {range} as high.")
-        }
-        _ => format!("Noise disturbs both: √|K| changes {range} as much as H."),
-    }
+fn seen(ratios: &[f64]) -> Result<String> {
+    let [least, most] = extremes(ratios.iter().copied());
+    let heading = match (least > 1.0, most < 1.0) {
+        (true, _) => "lines above",
+        (_, true) => "lines below",
+        _ => "lines",
+    };
+    TEXT.say(heading, values! { least, most })
 }
 
 /// The changes of H and of √|K| over σ/h, on the finest meshes.
@@ -401,15 +353,12 @@ fn plot(changes: &Table) -> Result<Picture> {
         }
         figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 240.0)?));
     }
-    let rows = finest_rows(changes)?;
+    let seen = seen(&finest_rows(changes)?)?;
     plotted(
         &figure,
         "changes",
-        &format!(
-            "{} Relative change of H and of √|K|, which has the same unit, under noise on the finest meshes, for three estimators.",
-            seen(&rows)
-        ),
-        "Two plots of relative change over noise on logarithmic axes, for sphere and torus.",
+        &TEXT.say("figure", values! { seen })?,
+        &TEXT.say("figure alt", &[])?,
     )
     .context("the plot of changes")
 }
@@ -431,9 +380,9 @@ mod tests {
     /// The caption says "above" only where all of the line is.
     #[test]
     fn the_caption_follows_the_lines() {
-        assert!(seen(&[1.1, 2.0]).contains("above that of H, 1.1 to 2 times"));
-        assert!(seen(&[0.4, 0.9]).contains("below that of H"));
-        assert!(seen(&[0.9, 1.1]).starts_with("Noise disturbs both"));
+        assert!(seen(&[1.1, 2.0]).unwrap().contains("above that of H, 1.1 to 2 times"));
+        assert!(seen(&[0.4, 0.9]).unwrap().contains("below that of H"));
+        assert!(seen(&[0.9, 1.1]).unwrap().starts_with("Noise disturbs both"));
     }
 
     /// Equal values that differ by rounding.

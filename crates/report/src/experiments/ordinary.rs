@@ -16,9 +16,12 @@ use super::study::{Study, exact_values};
 use super::surfaces::TestSurface;
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
-use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::experiment::text::{Text, values};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
+
+static TEXT: Text = Text::new("ordinary", include_str!("../../text/ordinary.md"));
 
 /// The surfaces: on a sphere a mean over everything would be best.
 const SURFACES: [Sample; 3] =
@@ -34,8 +37,8 @@ type Case = (Sample, Layout, u32, f64);
 /// [`NormalWeight::ALL`].
 type Angles = [f64; NormalWeight::ALL.len()];
 
-/// The errors of all estimators, how each compares with the best on each mesh, and the same of the
-/// weights of vertex normals.
+/// The errors of all estimators, how each compares with the best of the others on each mesh, and how
+/// each weight of vertex normals compares with the best.
 pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
     let mut cases: Vec<Case> = vec![];
     for sample in SURFACES {
@@ -48,7 +51,7 @@ pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
     let found: Vec<(Vec<Vec<Cell>>, Angles)> =
         cases.par_iter().with_max_len(1).map(|case| rows(context, *case)).collect::<Result<_>>()?;
     let (rows, angles): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-    let mut errors = errors_table();
+    let mut errors = errors_table()?;
     rows.into_iter().flatten().for_each(|row| errors.push(row));
     let choice = choice(&errors)?;
     Ok([errors, choice, normals(&cases, &angles)?])
@@ -63,9 +66,10 @@ fn rows(
     let clean = sample.mesh(level, layout, seed);
     let exact = exact_values(sample, &clean)?;
     let kind = NoiseKind::GaussianAlongNormals;
-    let mesh = match noise > 0.0 {
-        true => add_noise(&clean, kind, NoiseLevel::EdgeLengths(noise), seed)?,
-        false => clean,
+    let mesh = if noise > 0.0 {
+        add_noise(&clean, kind, NoiseLevel::EdgeLengths(noise), seed)?
+    } else {
+        clean
     };
     let fields: Vec<CurvatureField> =
         Estimator::all().iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
@@ -74,9 +78,14 @@ fn rows(
         .map(|field| Study::new(field, &exact).errors)
         .map(|errors| [errors[0], errors[2]])
         .collect();
-    let best = [0, 1].map(|q| errors.iter().map(|e| e[q]).fold(f64::INFINITY, smaller));
+    // The least error of H (0) or K (1) of all estimators but one.
+    let best_other = |i: usize, q: usize| {
+        let others = errors.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, error)| error[q]).fold(f64::INFINITY, smaller)
+    };
     let mut rows = vec![];
-    for ((estimator, field), [h, k]) in Estimator::all().iter().zip(&fields).zip(errors) {
+    for (i, (estimator, field)) in Estimator::all().iter().zip(&fields).enumerate() {
+        let [h, k] = errors[i];
         let within = field.accuracy.as_ref().map(|trust| {
             let inner = || exact.iter().enumerate().filter_map(|(v, c)| Some((v, (*c)?)));
             let is_within = |(v, c): &(usize, PointCurvature)| {
@@ -92,8 +101,8 @@ fn rows(
             estimator.name(),
             h,
             k,
-            h / best[0],
-            k / best[1],
+            h / best_other(i, 0),
+            k / best_other(i, 1),
             within
         ];
         rows.push(row.into());
@@ -112,7 +121,7 @@ fn rows(
 fn normals(cases: &[Case], angles: &[Angles]) -> Result<Table> {
     let mut table = Table::new(
         "normals",
-        "Vertex normals on the same meshes: the root mean square angle to the exact normal for each weight of faces over the least of all weights, in the median over clean and over noisy meshes.",
+        &TEXT.say("table normals", &[])?,
         &[("weight", Unit::Label), ("clean", Unit::One), ("noisy", Unit::One)],
     );
     for name in ["clean", "noisy"] {
@@ -131,10 +140,10 @@ fn normals(cases: &[Case], angles: &[Angles]) -> Result<Table> {
     Ok(table)
 }
 
-fn errors_table() -> Table {
+fn errors_table() -> Result<Table> {
     let table = Table::new(
         "ordinary",
-        "Root mean square errors of H and K at inner vertices, relative to the root mean square of the exact values, and over the least error of any estimator on the same mesh; noise along normals. The last column: vertices where H is exact within the standard error that the estimator gives.",
+        &TEXT.say("table ordinary", &[])?,
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -143,23 +152,22 @@ fn errors_table() -> Table {
             ("estimator", Unit::Label),
             ("RMS H", Unit::Relative),
             ("RMS K", Unit::Relative),
-            ("H over the best", Unit::One),
-            ("K over the best", Unit::One),
+            ("H over the best other", Unit::One),
+            ("K over the best other", Unit::One),
             ("within", Unit::Percent),
         ],
     );
-    ["RMS H", "RMS K", "H over the best", "K over the best", "within"]
-        .into_iter()
-        .fold(table, |table, name| {
-            table.tolerance(name, Some(Tolerance { relative: 1e-3, absolute: 1e-6 }))
-        })
+    let columns = ["RMS H", "RMS K", "H over the best other", "K over the best other", "within"];
+    Ok(columns.into_iter().fold(table, |table, name| {
+        table.tolerance(name, Some(Tolerance { relative: 1e-3, absolute: 1e-6 }))
+    }))
 }
 
-/// The median and the largest ratio to the best over all meshes, H and K together.
+/// The median and the largest ratio to the best of the others over all meshes, H and K together.
 fn choice(errors: &Table) -> Result<Table> {
     let mut table = Table::new(
         "choice",
-        "The error of each estimator over the least error of any on the same mesh, H and K together: the median over clean and over noisy meshes, and the largest. The recommended one has the least median over all.",
+        &TEXT.say("table choice", &[])?,
         &[
             ("estimator", Unit::Label),
             ("clean", Unit::One),
@@ -175,7 +183,7 @@ fn choice(errors: &Table) -> Result<Table> {
         let rows = errors.only(&[("estimator", estimator.name().into())])?;
         let noise = rows.column("noise")?;
         let mut ratios = vec![];
-        for column in ["H over the best", "K over the best"] {
+        for column in ["H over the best other", "K over the best other"] {
             ratios.extend(noise.iter().copied().zip(rows.column(column)?));
         }
         let over = |keep: &dyn Fn(f64) -> bool| {
@@ -200,12 +208,12 @@ fn choice(errors: &Table) -> Result<Table> {
 pub(super) fn plot(errors: &Table) -> Result<Picture> {
     // In colour: the recommended one, and what most programs compute.
     let marked = [Estimator::RECOMMENDED.name(), "cotangent"];
-    let mut figure = Figure { columns: 2, ..Figure::default() };
-    for noise in NOISE {
+    let mut figure = Figure { columns: 3, ..Figure::default() };
+    for (i, noise) in NOISE.into_iter().enumerate() {
         let mut plot = Plot {
             title: if noise > 0.0 { format!("noise {noise} h") } else { "clean".into() },
             x: Axis::log("vertices"),
-            y: Axis::log("relative error of H"),
+            y: Axis::log(if i == 0 { "relative error of H" } else { "" }),
             ..Plot::default()
         };
         for estimator in Estimator::all() {
@@ -220,16 +228,13 @@ pub(super) fn plot(errors: &Table) -> Result<Picture> {
             let is_marked = marked.contains(&estimator.name());
             plot.series.push(if is_marked { line } else { line.quiet() });
         }
-        figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(350.0, 235.0)?));
     }
     plotted(
         &figure,
         "ordinary-mean",
-        &format!(
-            "Lower is better. The relative root mean square error of H on the jittered torus over the number of vertices, for three levels of noise. In colour {} and {}; `quadric` is the method of libigl, `normal-cycle` that of CGAL and MeshLab, and one ring of cotangents that of VTK.",
-            marked[0], marked[1]
-        ),
-        "Three plots of the relative error of H over the number of vertices on logarithmic axes, for no noise, a little and more, a line for each estimator.",
+        &TEXT.say("figure", values! { recommended: marked[0], baseline: marked[1] })?,
+        &TEXT.say("figure alt", &[])?,
     )
 }
 
@@ -246,28 +251,16 @@ pub(super) fn judge(tables: &Tables<'_>) -> Result<Judgement> {
     let verdict = if all[place] < least { Verdict::Confirmed } else { Verdict::Refuted };
     let column = |name: &str| anyhow::Ok(choice.column(name)?[place]);
     let rows = tables.get("ordinary")?.only(&[("estimator", recommended.into())])?;
-    let ratios = rows.column("H over the best")?.into_iter().zip(rows.column("K over the best")?);
-    let ratios: Vec<f64> = ratios.map(|(h, k)| larger(h, k)).collect();
+    let [h, k] = ["H over the best other", "K over the best other"].map(|name| rows.column(name));
+    let ratios: Vec<f64> = h?.into_iter().zip(k?).map(|(h, k)| larger(h, k)).collect();
     let vertices = ratios.iter().zip(rows.column("vertices")?);
     let (_, vertices) = vertices.fold((0.0, 0.0), |a, (r, n)| if *r > a.0 { (*r, n) } else { a });
-    let reason = format!(
-        "In the median over meshes and over H and K the error of {recommended} is {} times the least of all estimators, that of {next} {} times. The median over clean meshes is {}, over noisy ones {}; at worst it is {} times.",
-        brief(all[place]),
-        brief(least),
-        brief(column("clean")?),
-        brief(column("noisy")?),
-        brief(column("largest")?),
-    );
-    let name = "The recommended estimator has the least error at ordinary sizes, in the median";
-    Ok(Judgement::new("recommended", name, verdict, reason)
-        .finding(format!(
-            "In the median over {} meshes its error is {} times the least of all estimators, that of the next, {next}, {} times; at worst, on a mesh of {} vertices, it is {} times.",
-            ratios.len(),
-            brief(all[place]),
-            brief(least),
-            vertices,
-            brief(column("largest")?),
-        ))
+    let values = values! {
+        recommended, median: all[place], next, next_median: least, clean: column("clean")?,
+        noisy: column("noisy")?, largest: column("largest")?, meshes: ratios.len(), vertices,
+    };
+    let judgement = TEXT.judgement("recommended", verdict, values)?;
+    Ok(judgement
         .ours()
         .shown(Shown::line("estimators", "ordinary-mean", recommended))
         .number("median of the recommended", all[place], Unit::One)

@@ -7,12 +7,12 @@ use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{
     ScalarCurvature, gaussian_curvature, scaled_umbrella_mean_curvature, umbrella_mean_curvature,
 };
-use fairing_sparse::{larger, smaller};
 
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity};
 use super::seen;
 use super::spread;
+use super::statistics::extremes;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{MeshOutput, Outcome, Picture};
@@ -123,7 +123,7 @@ impl<'a> Pictures<'a> {
             quantity,
             unit,
         };
-        let seen = seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)]);
+        let seen = seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)])?;
         self.gallery(
             coloring(self.length, "‖Δx‖/2, uniform", "mesh units"),
             coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
@@ -144,8 +144,8 @@ impl<'a> Pictures<'a> {
             quantity,
             unit,
         };
-        let seen = seen::signed(self.scaled, self.gaussian);
-        let range = seen::range(&[self.scaled, self.gaussian]);
+        let seen = seen::signed(self.scaled, self.gaussian)?;
+        let range = seen::range(&[self.scaled, self.gaussian])?;
         self.gallery(
             coloring(self.scaled, "H, uniform, scaled", "1/mesh units"),
             coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
@@ -178,7 +178,7 @@ impl<'a> Pictures<'a> {
             .with_field("mean curvature, scaled", "1/mesh units", true, &self.scaled.values)
             .with_field("Gaussian curvature", "1/mesh units²", true, &self.gaussian.values)
             .with_field("‖Δx‖/2", "mesh units", false, &self.length.values);
-        let seen = seen::signed(self.scaled, self.gaussian);
+        let seen = seen::signed(self.scaled, self.gaussian)?;
         Ok(View {
             id: format!("{}-view", self.name),
             mesh: self.name.into(),
@@ -200,9 +200,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
     let worst = |sampling: &str, estimator: &str| -> Result<[f64; 2]> {
         let rows =
             orders.only(&[("sampling", sampling.into()), ("estimator", estimator.into())])?;
-        let values = rows.column("order in RMS")?;
-        let pick = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
-        Ok([pick(smaller, f64::INFINITY), pick(larger, f64::NEG_INFINITY)])
+        Ok(extremes(rows.column("order in RMS")?))
     };
     let [_, regular] = worst("regular", SCALED)?;
     let [_, jittered] = worst("jittered", SCALED)?;

@@ -13,8 +13,8 @@ use glam::DVec3;
 
 use super::gallery::plotted;
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
 use crate::model::table::{Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
@@ -36,41 +36,12 @@ const STEP: f64 = 1e-3;
 
 pub(super) struct EllipsoidForms;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Curvature,
-        "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
-                formulas for everything, and the original report got one wrong.",
-    )
-    .commands(&["fairing curvature ellipsoid.ply -o curved.ply  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
-    .edge_lengths_of("each mesh")
-    .sources(&["docarmo1976", "goldman2005"])
-    .notation(&["d", "\\kappa", "n", "a", "b", "c", "u", "v", "E", "F", "G", "e", "f", "g", "\\theta"])
-    .shows(&[], &[])
-    .names(&[("forms", "coefficients and curvature at (a, 0, 0)"), ("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
-    .playground(
-        "ellipsoid",
-        "The blue circle fits the ellipsoid at (a, 0, 0); the dashed red one has the size that the original report \
-            gives, and is drawn on the same side. The sizes agree only where tan²θ = c/a − c²/b²: along y, where that \
-            report looks, if b² = ac, as on a sphere. The section along the normal shows both at scale, the plot all \
-            directions, with the sign: the curves never meet. Drag a, b, c and the direction.",
-        "An ellipsoid with two circles at the end of its first axis: one fits the surface, one does not.",
-    )
-}
+static TEXT: Text = Text::new("q2", include_str!("../../text/q2.md"));
 
 impl Experiment for EllipsoidForms {
     fn card(&self) -> Card {
-        Card {
-            id: "q2",
-            title: "First and second fundamental form of the ellipsoid",
-            question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?".into(),
-            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal n points inward here, so that curvature is positive where the surface bends like a sphere. The coefficients of the second form are e, f and g, which the original report calls L, M and N.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which see only vertex positions.".into(),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
-            inputs: &[],
-            parameters: vec![("half axes (a, b, c)", AXES.map(axes_name).join(", "))],
-        }
+        let axes = ("half axes (a, b, c)", AXES.map(axes_name).join(", "));
+        TEXT.card(&[], vec![axes], &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
@@ -92,35 +63,22 @@ impl Experiment for EllipsoidForms {
         // The sign is a matter of the normal: compare sizes alone.
         let sizes: Vec<f64> = theirs.iter().map(|k| k.abs()).collect();
         let error = gap(&ours, &sizes);
-        let l = forms.column("e")?;
-        let smallest_l = l.iter().fold(f64::INFINITY, |a, b| smaller(a, b.abs()));
+        let e = forms.column("e")?.iter().fold(f64::INFINITY, |a, b| smaller(a, b.abs()));
         let mesh = tables.get("meshes")?.column("error of κ₁")?;
         let wrong = error > 1e-3 && check < 1e-4;
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
-        let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size; its size is right only where b² = ac, here on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
-            crate::model::table::brief(check),
-            crate::model::table::brief(smallest_l),
-            crate::model::table::brief(100.0 * error),
-            ours.len(),
-        );
+        let values = values! { check, e, error, right, all: ours.len() };
         Ok(vec![
-            Judgement::new(
-                "2a",
-                "At (a, 0, 0): e = f = 0 and g = −c, so that κₙ = −1/c along y",
-                verdict,
-                reason,
-            )
-            .finding(format!("Along y the normal curvature is a/b² in size; 1/c, the size in the original report, is right only where b² = ac, here on {right} of {} ellipsoids, the sphere.", ours.len()))
-            .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
-            .number("largest error of |−1/c|", error, Unit::Relative)
-            .number("gap between closed form and differences", check, Unit::Relative)
-            .number(
-                "error of κ₁ on the finest mesh",
-                mesh.last().copied().context("no meshes")?,
-                Unit::Relative,
-            ),
+            TEXT.judgement("2a", verdict, values)?
+                .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
+                .number("largest error of |−1/c|", error, Unit::Relative)
+                .number("gap between closed form and differences", check, Unit::Relative)
+                .number(
+                    "error of κ₁ on the finest mesh",
+                    mesh.last().copied().context("no meshes")?,
+                    Unit::Relative,
+                ),
         ])
     }
 }
@@ -139,7 +97,7 @@ fn axes_name([a, b, c]: [f64; 3]) -> String {
 fn forms() -> Result<Table> {
     let mut table = Table::new(
         "forms",
-        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the original report states it, g/G = −1/c.",
+        &TEXT.say("table forms", &[])?,
         &[
             ("(a, b, c)", Unit::Label),
             ("E", Unit::Area),
@@ -204,7 +162,7 @@ fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
 fn directions() -> Result<Table> {
     let mut table = Table::new(
         "directions",
-        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and −cos²θ/c, which follows from the original report's coefficients e = f = 0, g = −c if dv runs along y, as that report takes it. (dv runs along z: with du and dv as above the same coefficients give −sin²θ/c.)",
+        &TEXT.say("table directions", &[])?,
         &[
             ("(a, b, c)", Unit::Label),
             ("θ", Unit::Degrees),
@@ -254,16 +212,8 @@ fn plot(directions: &Table) -> Result<Picture> {
             Some(format!("{:.0}° on {}", equal_sizes(axes)?.to_degrees(), axes_name(axes)))
         })
         .collect();
-    let caption = format!(
-        "The two curves never have the same sign. Their sizes agree at {}, and there at 180° − θ; θ = 0 is the one direction that the original report looks at. Normal curvature at (a, 0, 0) over the tangent direction: solid from the forms, with the normal that makes it positive on a sphere; dashed from the coefficients of the original report, with dv along y.",
-        equal.join(", ")
-    );
-    plotted(
-        &figure,
-        "directions",
-        &caption,
-        "Six plots of normal curvature over the direction, each with two curves that differ.",
-    )
+    let caption = TEXT.say("figure", values! { equal: equal.join(", ") })?;
+    plotted(&figure, "directions", &caption, &TEXT.say("figure alt", &[])?)
 }
 
 /// The direction from y at which cos²θ/c is a (cos²θ/b² + sin²θ/c²), if there is one: there
@@ -278,10 +228,7 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
     let axes = AXES[AXES.len() - 1];
     let mut table = Table::new(
         "meshes",
-        &format!(
-            "Principal curvatures at the vertex (a, 0, 0) of ever finer meshes of the ellipsoid {}, against a/c² along z and a/b² along y: from the cotangent Laplacian and the angle defect over mixed areas, and from cubic jets fitted over three rings. The angle is that between the direction found for κ₁ and z.",
-            axes_name(axes)
-        ),
+        &TEXT.say("table meshes", values! { axes: axes_name(axes) })?,
         &[
             ("estimator", Unit::Label),
             ("vertices", Unit::Count),
@@ -327,11 +274,6 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
 
 /// H and K of the plain operators; no directions.
 const COTANGENT: Estimator = Estimator::Cotangent(CotangentOptions { area: LumpedArea::Mixed });
-
-const FORMULAS: [&str; 2] = [
-    r"\kappa_n = \frac{e\,du^2 + 2f\,du\,dv + g\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2}",
-    r"\kappa_n(\theta)\big|_{(a,0,0)} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right)",
-];
 
 #[cfg(test)]
 mod tests {

@@ -8,17 +8,18 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::{LumpedArea, OperatorError};
 use fairing_shapes as shapes;
-use fairing_sparse::{larger, smaller};
+use fairing_sparse::larger;
 
 use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};
 use super::seen;
 use super::spread;
+use super::statistics::extremes;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{MeshOutput, Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
 use crate::model::table::{Cell, Table, Tables, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::model::view::{Panel, View};
@@ -54,76 +55,39 @@ const ESTIMATORS: [Estimator; 3] = [
     },
 ];
 
-/// An order above this is convergence.
-const CONVERGES: f64 = 0.5;
-
 /// Largest value taken for zero on a plane, as a multiple of 1 / mean edge length.
 const ZERO: f64 = 1e-9;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Curvature,
-        "Uniform weights mistake the shape of triangles for the shape of the surface. Cotangents weigh \
-                edges by angles; does that help?",
-    )
-    .commands(&["fairing curvature mesh.ply -o curved.ply --estimator cotangent --area mixed", "fairing render curved.ply -o mean.png --field mean --map coolwarm"])
-    .edge_lengths_of("each mesh")
-    .sources(&["pinkall1993", "meyer2003", "desbrun1999"])
-    .notation(&["x", "X", "i", "j", "A", "\\alpha", "\\beta", "H", "K", "n", "\\Delta", "M", "S"])
-    .shows(&["torus-view", "convergence", "flower-signed"], &[])
-    .names(&[("flower-view", "the flower"), ("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence"), ("planes", "what is left on planes")])
-}
+static TEXT: Text = Text::new("q3", include_str!("../../text/q3.md"));
 
 impl Experiment for CotangentCurvature {
     fn card(&self) -> Card {
-        Card {
-            id: "q3",
-            title: "Mean curvature from the cotangent Laplacian",
-            question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?".into(),
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. It is the gradient of the area: only moving a vertex off the plane of its neighbours changes the area, so that on a plane, however uneven the triangles, nothing tangential is left. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
-            inputs: &[Input::Flower, Input::Plane],
-            parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
-                .into_iter()
-                .chain(TestSurface::parameters())
-                .collect(),
-        }
+        let area = ("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into());
+        let parameters = std::iter::once(area).chain(TestSurface::parameters()).collect();
+        TEXT.card(&[Input::Flower, Input::Plane], parameters, &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
-        let mut fields = spread::table(
-            "fields",
-            "How mean curvature is spread over the two meshes, from either operator; inside and on the boundary apart.",
-        );
+        let mut fields = spread::table("fields", &TEXT.say("table fields", &[])?);
         for (name, input) in [("flower", Input::Flower), ("plane", Input::Plane)] {
             let mesh = context.mesh(input)?;
             let uniform = scaled_umbrella_mean_curvature(&mesh);
             let cotangent = MIXED(&mesh)?;
             let norms = cotangent.norms();
-            spread::push(&mut fields, name, "|H|, uniform", "1/mesh units", &sizes(&uniform));
-            spread::push(&mut fields, name, "|H|, cotangent", "1/mesh units", &sizes(&cotangent));
-            spread::push(
-                &mut fields,
-                name,
-                "H, uniform",
-                "1/mesh units",
-                &uniform.clone().into_signed(),
-            );
-            spread::push(
-                &mut fields,
-                name,
-                "H, cotangent",
-                "1/mesh units",
-                &cotangent.clone().into_signed(),
-            );
+            for (field, values) in [
+                ("|H|, uniform", sizes(&uniform)),
+                ("|H|, cotangent", sizes(&cotangent)),
+                ("H, uniform", uniform.clone().into_signed()),
+                ("H, cotangent", cotangent.clone().into_signed()),
+            ] {
+                spread::push(&mut fields, name, field, "1/mesh units", &values);
+            }
             outcome.figures.extend(pictures(name, &mesh, &uniform, &cotangent)?);
-            outcome.views.push(view(name, &mesh, &uniform, &cotangent));
+            outcome.views.push(view(name, &mesh, &uniform, &cotangent)?);
             outcome.meshes.push(MeshOutput {
                 id: format!("{name}-cotangent"),
-                caption: format!("The {name} with the mean curvature of the cotangent operator, with and without sign, and of the uniform one."),
+                caption: TEXT.say("mesh", values! { name })?,
                 mesh,
                 fields: vec![
                     ("mean".into(), cotangent.signed),
@@ -145,60 +109,36 @@ impl Experiment for CotangentCurvature {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let errors = tables.get("analytic")?;
-        let others = ratios(errors, BARYCENTRIC)?;
-        let ratios: Vec<f64> = ratios(errors, COTANGENT)?.into_iter().map(|r| r.0).collect();
-        let worst = ratios.iter().copied().fold(0.0, larger);
-        let best = ratios.iter().copied().fold(f64::INFINITY, smaller);
+        let (barycentric, mesh) = ratios(errors, BARYCENTRIC)?
+            .into_iter()
+            .reduce(|a, b| if b.0 > a.0 { b } else { a })
+            .context("no meshes")?;
+        let ratios = ratios(errors, COTANGENT)?.into_iter().map(|r| r.0);
+        let [best, worst] = extremes(ratios);
         let [inside, border, uniform] = on_planes(tables.get("planes")?)?;
-        let [mean, largest_order] = jittered_orders(tables.get("orders")?)?;
-        let converges = mean > CONVERGES;
-        let left = left_on_jittered(errors)?;
-        let improves = worst < 1.0;
-        let (clean, artefacts) = (inside < ZERO, border > ZERO);
-        let verdict = match (improves, clean, artefacts) {
+        let [order, largest] = jittered_orders(tables.get("orders")?)?;
+        let verdict = match (worst < 1.0, inside < ZERO, border > ZERO) {
             (true, false, _) => Verdict::Confirmed,
             (false, true, false) => Verdict::Refuted,
             _ => Verdict::Qualified,
         };
-        let first = if improves {
-            "With mixed areas the cotangent operator is better on every surface and sampling"
-        } else {
-            "The cotangent operator is not better everywhere"
+        let values = values! {
+            least: 1.0 / worst, most: 1.0 / best, barycentric, mesh, order, largest,
+            left: left_on_jittered(errors)?, zero: ZERO, inside, uniform, border,
         };
-        let reason = format!(
-            "{first}: on the finest meshes its RMS error is at least {} times smaller than that of the uniform one. (On the regular sphere it is {} times smaller: the symmetry of an icosphere cancels its leading error.) {} But better is not convergent: on jittered meshes cotangents {} (order at most {} in the root mean square and {} in the largest error; the error is up to {} % of H on the finest meshes). Inside a plane they give {} on every triangulation tried; values below {}/h are rounding and count as zero. The uniform operator reaches {}/h. Only boundary vertices show, up to {}/h: there either operator is one-sided and points inwards along the plane. The signed value, the part along the normal, is zero there as well.",
-            brief(1.0 / worst),
-            two_digits(1.0 / best),
-            with_barycentric(&others),
-            if converges { "converge on some surface" } else { "do not converge either" },
-            brief(mean),
-            brief(largest_order),
-            brief(100.0 * left),
-            if clean { "zero".to_string() } else { format!("up to {}/h", brief(inside)) },
-            brief(ZERO),
-            brief(uniform),
-            brief(border),
-        );
         Ok(vec![
-            Judgement::new(
-                "3a",
-                "Cotangents reveal detail on a complex mesh but create artefacts on the plane",
-                verdict,
-                reason,
-            )
-            .finding(format!(
-                "With cotangents and mixed areas the error on the finest meshes is at least {} times smaller than with uniform weights. On a plane they {} inside, to rounding, and reach {}/h on the boundary.",
-                brief(1.0 / worst),
-                if clean { "are zero".to_string() } else { format!("reach {}/h", brief(inside)) },
-                brief(border)
-            ))
-            .shown(Shown::view("q3", "torus-view", &ViewState::at(&[]).field("error of mean curvature")))
-            .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
-            .number("the same with barycentric areas", others.iter().map(|r| r.0).fold(0.0, larger), Unit::One)
-            .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
-            .number("cotangent inside planes", inside, Unit::One)
-            .number("uniform inside planes", uniform, Unit::One)
-            .number("cotangent on boundaries of planes", border, Unit::One),
+            TEXT.judgement("3a", verdict, values)?
+                .shown(Shown::view(
+                    "q3",
+                    "torus-view",
+                    &ViewState::at(&[]).field("error of mean curvature"),
+                ))
+                .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
+                .number("the same with barycentric areas", barycentric, Unit::One)
+                .number("highest order of cotangents on jittered meshes", order, Unit::Order)
+                .number("cotangent inside planes", inside, Unit::One)
+                .number("uniform inside planes", uniform, Unit::One)
+                .number("cotangent on boundaries of planes", border, Unit::One),
         ])
     }
 }
@@ -208,10 +148,9 @@ impl Experiment for CotangentCurvature {
 fn jittered_orders(orders: &Table) -> Result<[f64; 2]> {
     let jittered = orders
         .only(&[("sampling", Sampling::Jittered.name().into()), ("estimator", COTANGENT.into())])?;
-    let highest = |column: &str| -> Result<f64> {
-        Ok(jittered.column(column)?.into_iter().fold(f64::NEG_INFINITY, larger))
-    };
-    Ok([highest("order in RMS")?, highest("order of the largest")?])
+    let [_, order] = extremes(jittered.column("order in RMS")?);
+    let [_, largest] = extremes(jittered.column("order of the largest")?);
+    Ok([order, largest])
 }
 
 /// The largest error of the cotangent operator on the finest jittered meshes.
@@ -221,12 +160,6 @@ fn left_on_jittered(errors: &Table) -> Result<f64> {
         left = left.max(finest(errors, surface.name(), Sampling::Jittered.name(), COTANGENT)?);
     }
     Ok(left)
-}
-
-/// A number of two significant digits.
-fn two_digits(x: f64) -> String {
-    let unit = libm::pow(10.0, libm::log10(x).floor() - 1.0);
-    brief((x / unit).round() * unit)
 }
 
 /// The errors of a cotangent operator over those of the uniform one, on the finest meshes, and the
@@ -242,18 +175,6 @@ fn ratios(errors: &Table, estimator: &str) -> Result<Vec<(f64, String)>> {
         }
     }
     Ok(ratios)
-}
-
-/// The meshes on which barycentric areas lose the advantage, as a sentence.
-fn with_barycentric(ratios: &[(f64, String)]) -> String {
-    let worse = ratios.iter().filter(|r| r.0 >= 1.0);
-    let worse: Vec<String> = worse
-        .map(|(ratio, name)| format!("{} times larger on the {name}", brief(*ratio)))
-        .collect();
-    match worse.is_empty() {
-        true => "With barycentric areas it is the better one everywhere, too.".into(),
-        false => format!("With barycentric areas its error is {}.", worse.join(", ")),
-    }
 }
 
 /// The largest values on planes: of the cotangent operator inside and on boundaries, and of the
@@ -284,12 +205,10 @@ fn pictures(
     cotangent: &MeanCurvature,
 ) -> Result<[Picture; 2]> {
     let norms = sizes(cotangent);
-    let counterpart = counterpart(name);
-    let flat = match is_flat(mesh, uniform, cotangent) {
-        true => " What looks like an artefact of cotangents is the border.",
-        false => "",
-    };
-    let to_see = seen::equalised(&[("‖Δx‖/2", &norms)]) + flat;
+    let mut seen = seen::equalised(&[("‖Δx‖/2", &norms)])?;
+    if is_flat(mesh, uniform, cotangent) {
+        seen = format!("{seen} {}", TEXT.say("border", &[])?);
+    }
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
     let gallery =
         |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.5, occlusion: true };
@@ -309,8 +228,8 @@ fn pictures(
     ])
     .draw(
         name,
-        &format!("{to_see} Counterpart of {counterpart} of the original report, in its colours: the {name} plain and with mean curvature from the cotangent Laplacian, from two viewpoints."),
-        &format!("Four pictures of the {name}: plain and coloured by mean curvature, from two sides."),
+        &TEXT.say("figure equalised", values! { seen, counterpart: counterpart(name), name })?,
+        &TEXT.say("figure equalised alt", values! { name })?,
     )?;
     let signed = |title: &'static str, field| Look {
         title,
@@ -323,6 +242,8 @@ fn pictures(
             unit: "1/mesh units",
         }),
     };
+    let seen = seen::agreement(&uniform, &cotangent)?;
+    let range = seen::range(&[&uniform, &cotangent])?;
     let diverging = gallery(vec![
         Look { title: "original", mesh, coloring: None },
         signed("uniform", &uniform),
@@ -330,8 +251,8 @@ fn pictures(
     ])
     .draw(
         &format!("{name}-signed"),
-        &format!("{} Signed mean curvature of the {name}; {}.", seen::agreement(&uniform, &cotangent), seen::range(&[&uniform, &cotangent])),
-        &format!("Six pictures of the {name}: plain, coloured by the uniform and by the cotangent mean curvature, from two sides."),
+        &TEXT.say("figure signed", values! { seen, name, range })?,
+        &TEXT.say("figure signed alt", values! { name })?,
     )?;
     Ok([assignment, diverging])
 }
@@ -344,7 +265,12 @@ fn is_flat(mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -
 }
 
 /// Both estimates on one mesh to turn.
-fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> View {
+fn view(
+    name: &str,
+    mesh: &TriMesh,
+    uniform: &MeanCurvature,
+    cotangent: &MeanCurvature,
+) -> Result<View> {
     let flat = is_flat(mesh, uniform, cotangent);
     let panel = |title: &str, mean: &MeanCurvature| {
         let plain = Panel::still(title, mesh);
@@ -359,29 +285,22 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
             size(signed(plain))
         }
     };
-    let to_see = match flat {
-        true => {
-            "Only the border has colours: inside, both operators give zero, and the signed value is zero everywhere.".to_string()
-        }
-        false => seen::agreement(
-            &uniform.clone().into_signed(),
-            &cotangent.clone().into_signed(),
-        ),
+    let seen = if flat {
+        TEXT.say("view flat", &[])?
+    } else {
+        seen::agreement(&uniform.clone().into_signed(), &cotangent.clone().into_signed())?
     };
-    View {
+    Ok(View {
         id: format!("{name}-view"),
         mesh: name.into(),
-        caption: format!(
-            "{to_see} Counterpart of {} of the original report: mean curvature of the {name} from either operator.",
-            counterpart(name)
-        ),
-        alt: format!("The {name} twice, to turn, coloured by either mean curvature."),
+        caption: TEXT.say("view", values! { seen, counterpart: counterpart(name), name })?,
+        alt: TEXT.say("view alt", values! { name })?,
         fallback: format!("{name}-signed"),
         z_up: true,
         sliders: vec![],
         panels: vec![panel("uniform", uniform), panel("cotangent", cotangent)],
         ..View::default()
-    }
+    })
 }
 
 /// The mean of these values on the outer and on the inner half of a torus.
@@ -414,28 +333,25 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
         |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature, [f64; 2])> {
             let mean = operator(&mesh)?;
             let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
-            let error = 100.0
-                * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
+            let error =
+                (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
             let halves = around_the_hole(&mesh, &gaps);
             let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
             let panel = Panel::still(title, &mesh)
                 .with_field("mean curvature", "1/mesh units", true, &mean.signed)
                 .exactly(exact.clone())
-                .with_fact("RMS error", "%", vec![Some(error)]);
+                .with_fact("RMS error", "%", vec![Some(100.0 * error)]);
             Ok((panel, error, gaps, halves))
         };
     let (uniform, first, theirs, [outer, inner]) = panel("uniform", SCALED)?;
     let (cotangent, second, ours, _) = panel("cotangent", MIXED)?;
+    let values = values! {
+        outer: signed_gap(outer), inner: signed_gap(inner), uniform: first, cotangent: second,
+    };
     let picture = gallery::errors(
         "torus",
-        &format!(
-            "Uniform weights are wrong on the whole torus, on average {} outside and {} around the hole; cotangents are off in spots only. In the root mean square that is {} % of H against {} %. The error of H on a jittered torus; grey is zero.",
-            signed_gap(outer),
-            signed_gap(inner),
-            brief(first),
-            brief(second)
-        ),
-        "A torus twice, coloured by errors: far more on the left.",
+        &TEXT.say("figure torus", values)?,
+        &TEXT.say("figure torus alt", &[])?,
         &mesh,
         &[("uniform", theirs), ("cotangent", ours)],
         !context.is_quick(),
@@ -443,12 +359,8 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let view = View {
         id: "torus-view".into(),
         mesh: "coarse jittered torus".into(),
-        caption: format!(
-            "Colour is error: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
-            brief(first),
-            brief(second)
-        ),
-        alt: "A torus twice, to turn, coloured by the mean curvature of either operator.".into(),
+        caption: TEXT.say("view torus", values)?,
+        alt: TEXT.say("view torus alt", &[])?,
         fallback: "torus".into(),
         color: Some("error of mean curvature".into()),
         z_up: true,
@@ -468,7 +380,7 @@ fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
 fn planes(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "planes",
-        "The largest ‖Δx‖/2 and the largest signed |H| on planes, as multiples of 1/h. The exact value is zero.",
+        &TEXT.say("table planes", &[])?,
         &[
             ("mesh", Unit::Label),
             ("operator", Unit::Label),
@@ -506,7 +418,3 @@ fn planes(context: &Context<'_>) -> Result<Table> {
     }
     Ok(table)
 }
-
-const FORMULAS: [&str; 1] = [
-    r"(\Delta x)_i = \frac{1}{2 A_i} \sum_{j \sim i} (\cot\alpha_{ij} + \cot\beta_{ij})(x_j - x_i) = -2 H_i\, n_i",
-];

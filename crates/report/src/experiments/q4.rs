@@ -347,7 +347,7 @@ impl<'a> Rebuilt<'a> {
         let diagonal = mesh.diagonal();
         let errors: Vec<(usize, f64)> =
             stops.iter().map(|&k| (k, predicted[k] / diagonal)).collect();
-        let to_see = seen::reconstructions(name, &errors);
+        let to_see = seen::reconstructions(name, &errors)?;
         // The section shows the first of them by a name that does not depend on the mesh.
         let figure = if with_modes { FIRST } else { &id };
         outcome.figures.push(picture(figure, name, &to_see, mesh, &stops, &meshes, occlusion)?);

@@ -10,8 +10,11 @@ use super::gallery::plotted;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
+use crate::experiment::text::Text;
 use crate::model::table::{Table, Unit};
 use crate::row;
+
+static TEXT: Text = Text::new("refinement", include_str!("../../text/refinement.md"));
 
 /// The estimated quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,10 +58,10 @@ fn levels(context: &Context<'_>) -> std::ops::RangeInclusive<u32> {
 }
 
 /// Empty tables of errors and of their orders.
-fn tables() -> [Table; 2] {
+fn tables() -> Result<[Table; 2]> {
     let errors = Table::new(
         "analytic",
-        "Relative error against the exact curvature on ever finer meshes: root mean square, weighted by area, and largest, both over the root mean square of the exact values. h is the mean edge length.",
+        &TEXT.say("table analytic", &[])?,
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -71,7 +74,7 @@ fn tables() -> [Table; 2] {
     );
     let orders = Table::new(
         "orders",
-        "Observed order of convergence between the last two refinements, log(e₁/e₂) / log(h₁/h₂). At second order half the edge length leaves a quarter of the error; at order zero the error stays, below it grows.",
+        &TEXT.say("table orders", &[])?,
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -80,7 +83,7 @@ fn tables() -> [Table; 2] {
             ("order of the largest", Unit::Order),
         ],
     );
-    [errors, orders]
+    Ok([errors, orders])
 }
 
 /// The errors of each estimator on each surface and level, and the orders in
@@ -88,7 +91,7 @@ fn tables() -> [Table; 2] {
 ///
 /// The tables have the ids `analytic` and `orders`.
 pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[Table; 2]> {
-    let [mut errors, mut orders] = tables();
+    let [mut errors, mut orders] = tables()?;
     for (i, surface) in TestSurface::ALL.into_iter().enumerate() {
         for sampling in Sampling::BOTH {
             context.progress(i as f64 / TestSurface::ALL.len() as f64, surface.name());
@@ -170,12 +173,7 @@ pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> 
         plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(if i == 2 { 540.0 } else { 270.0 }, 235.0)?));
     }
-    plotted(
-        &figure,
-        "convergence",
-        "Lines that fall towards finer meshes (left) converge, at second order if they fall like the dashed one; level lines do not. The error against exact curvature under refinement, on regular and on jittered meshes.",
-        "Three plots of relative error over mean edge length on logarithmic axes, for sphere, torus and ellipsoid.",
-    )
+    plotted(&figure, "convergence", &TEXT.say("figure", &[])?, &TEXT.say("figure alt", &[])?)
 }
 
 /// A line to compare with: second order, from the largest error of the

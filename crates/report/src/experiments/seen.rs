@@ -1,11 +1,15 @@
 //! Sentences on the effects visible in pictures, made from the values that are drawn: a caption
 //! says nothing that its picture does not show.
 
+use anyhow::Result;
 use fairing_operators::curvature::ScalarCurvature;
 use fairing_sparse::larger;
 
 use super::gallery::FLAT;
+use crate::experiment::text::{Text, values};
 use crate::model::table::brief;
+
+static TEXT: Text = Text::new("seen", include_str!("../../text/seen.md"));
 
 /// Values below this part of the largest one are rounding, if only that of the coordinates in the
 /// file, which may have six digits.
@@ -22,19 +26,19 @@ pub(super) fn list(words: &[String]) -> String {
     }
 }
 
-/// A share in whole percent.
-fn percent(part: usize, all: usize) -> String {
-    format!("{:.0} %", 100.0 * part as f64 / all.max(1) as f64)
+/// A part of all; zero of none.
+fn share(part: usize, all: usize) -> f64 {
+    part as f64 / all.max(1) as f64
 }
 
 /// The defined values inside, or all of them if so wanted.
-fn values(field: &ScalarCurvature, with_boundary: bool) -> Vec<f64> {
+fn defined(field: &ScalarCurvature, with_boundary: bool) -> Vec<f64> {
     let kept = (0..field.values.len())
         .filter(|&v| field.status[v].is_defined() && (with_boundary || !field.boundary[v]));
     kept.map(|v| field.values[v]).collect()
 }
 
-/// The largest size, and the number of values that are zero beside it.
+/// The number of values that are zero beside the largest one.
 fn zeros(values: &[f64]) -> usize {
     let largest = values.iter().fold(0.0, |most, x| larger(most, x.abs()));
     let bound = (ZERO * largest).max(FLAT * ZERO);
@@ -43,86 +47,64 @@ fn zeros(values: &[f64]) -> usize {
 
 /// Returns true if a field has the colour of zero at all inner vertices.
 pub(super) fn is_flat(field: &ScalarCurvature) -> bool {
-    values(field, false).iter().all(|x| x.abs() <= FLAT)
+    defined(field, false).iter().all(|x| x.abs() <= FLAT)
 }
 
 /// The range of diverging colours, as the end of a sentence.
-pub(super) fn range(fields: &[&ScalarCurvature]) -> &'static str {
-    match fields.iter().all(|field| is_flat(field)) {
-        true => "inside there is only rounding, below the range of the colours",
-        false => "each range is that of the inner vertices between the 2nd and the 98th percentile",
-    }
+pub(super) fn range(fields: &[&ScalarCurvature]) -> Result<String> {
+    let is_flat = fields.iter().all(|field| is_flat(field));
+    TEXT.say(if is_flat { "range flat" } else { "range" }, &[])
 }
 
 /// Mean and Gaussian curvature in diverging colours about zero.
-pub(super) fn signed(mean: &ScalarCurvature, gaussian: &ScalarCurvature) -> String {
+pub(super) fn signed(mean: &ScalarCurvature, gaussian: &ScalarCurvature) -> Result<String> {
     if is_flat(mean) && is_flat(gaussian) {
-        let all = values(gaussian, true);
+        let all = defined(gaussian, true);
         let corners = all.len() - zeros(&all);
-        return match (is_all_flat(mean), corners) {
-            (true, 0) => "Everything is grey: both curvatures are zero everywhere.".into(),
-            (true, n) => format!(
-                "Everything is grey except {n} vertices of the border: there the border turns, and the angle defect is its turning."
-            ),
-            (false, _) => "The inside is grey; only the border has colour.".into(),
+        let heading = match (is_all_flat(mean), corners) {
+            (true, 0) => "flat",
+            (true, _) => "flat corners",
+            (false, _) => "flat inside",
         };
+        return TEXT.say(heading, values! { corners });
     }
-    let share = |field: &ScalarCurvature| {
-        let inside = values(field, false);
-        percent(inside.iter().filter(|x| **x > 0.0).count(), inside.len())
+    let positive = |field: &ScalarCurvature| {
+        let inside = defined(field, false);
+        share(inside.iter().filter(|x| **x > 0.0).count(), inside.len())
     };
-    format!(
-        "Red is positive, as on a sphere, blue is negative, grey is zero: H is positive at {} of the inner vertices, K at {}.",
-        share(mean),
-        share(gaussian)
-    )
+    TEXT.say("signed", values! { mean: positive(mean), gaussian: positive(gaussian) })
 }
 
 fn is_all_flat(field: &ScalarCurvature) -> bool {
-    values(field, true).iter().all(|x| x.abs() <= FLAT)
+    defined(field, true).iter().all(|x| x.abs() <= FLAT)
 }
 
 /// Fields in equalised colours, by name.
-pub(super) fn equalised(fields: &[(&str, &ScalarCurvature)]) -> String {
-    let counts: Vec<(usize, usize)> = fields
-        .iter()
-        .map(|(_, field)| values(field, true))
-        .map(|all| (zeros(&all), all.len()))
-        .collect();
-    if counts.iter().all(|(zero, all)| 2 * zero > *all) {
-        let shares = fields.iter().zip(&counts);
-        let shares: Vec<String> = shares
-            .map(|((name, _), (zero, all))| format!("{name} at {} of them", percent(*zero, *all)))
-            .collect();
-        return format!(
-            "Most vertices are blue because their value is zero, to rounding: {}.",
-            list(&shares)
-        );
+pub(super) fn equalised(fields: &[(&str, &ScalarCurvature)]) -> Result<String> {
+    let fields = fields.iter().map(|&(name, field)| (name, defined(field, true)));
+    let fields: Vec<(&str, Vec<f64>)> = fields.collect();
+    if fields.iter().all(|(_, all)| 2 * zeros(all) > all.len()) {
+        let shares = fields.iter().map(|(name, all)| {
+            let share = share(zeros(all), all.len());
+            TEXT.say("equalised share", values! { name: *name, share })
+        });
+        let shares = list(&shares.collect::<Result<Vec<_>>>()?);
+        return TEXT.say("equalised zeros", values! { shares });
     }
-    let mut sentences = vec![];
-    for (name, field) in fields {
-        let mut all = values(field, true);
+    let mut ranges = vec![];
+    for (name, mut all) in fields {
         all.sort_unstable_by(f64::total_cmp);
-        let (Some(first), Some(last)) = (all.first(), all.last()) else { continue };
+        let (Some(&first), Some(&last)) = (all.first(), all.last()) else { continue };
         let [low, high] = [all[all.len() / 4], all[3 * all.len() / 4]];
-        sentences.push(format!(
-            "half of the values of {name} lie between {} and {} (all of them between {} and {})",
-            brief(low),
-            brief(high),
-            brief(*first),
-            brief(*last)
-        ));
+        ranges.push(TEXT.say("equalised range", values! { name, low, high, first, last })?);
     }
-    format!(
-        "Equalised colours go to equally many vertices each, however close their values are: {}.",
-        list(&sentences)
-    )
+    TEXT.say("equalised", values! { ranges: list(&ranges) })
 }
 
 /// Two estimates of one signed field.
-pub(super) fn agreement(a: &ScalarCurvature, b: &ScalarCurvature) -> String {
+pub(super) fn agreement(a: &ScalarCurvature, b: &ScalarCurvature) -> Result<String> {
     if is_all_flat(a) && is_all_flat(b) {
-        return "Everything is grey: along the normal both are zero, on the border as well.".into();
+        return TEXT.say("agreement flat", &[]);
     }
     let both = (0..a.values.len()).filter(|&v| {
         a.status[v].is_defined() && b.status[v].is_defined() && !a.boundary[v] && !b.boundary[v]
@@ -131,74 +113,53 @@ pub(super) fn agreement(a: &ScalarCurvature, b: &ScalarCurvature) -> String {
     let same = pairs.iter().filter(|[x, y]| x * y > 0.0).count();
     let squares: f64 = pairs.iter().map(|[x, y]| (x - y).powi(2)).sum();
     let size: f64 = pairs.iter().map(|[_, y]| y * y).sum();
-    format!(
-        "Both agree in sign at {} of the inner vertices, but their values differ by {:.0} % in the root mean square.",
-        percent(same, pairs.len()),
-        100.0 * (squares / size).sqrt()
-    )
+    let (same, gap) = (share(same, pairs.len()), (squares / size).sqrt());
+    TEXT.say("agreement", values! { same, gap })
 }
 
 /// Errors by name: those of one sign nearly everywhere are smooth, those of both signs are noise.
-pub(super) fn errors(fields: &[(&str, &[f64])]) -> String {
-    let words = fields.iter().map(|(name, values)| {
+pub(super) fn errors(fields: &[(&str, &[f64])]) -> Result<String> {
+    let sentences = fields.iter().map(|&(name, values)| {
         let above = values.iter().filter(|x| **x > 0.0).count();
         let most = above.max(values.len() - above);
-        let share = percent(most, values.len());
-        match 10 * most > 9 * values.len() {
-            true => {
-                format!("The error of {name} has the same sign at {share} of the vertices: it is smooth.")
-            }
-            false => format!(
-                "The error of {name} has either sign, the commoner one at {share} of the vertices: it is noise."
-            ),
-        }
+        let is_smooth = 10 * most > 9 * values.len();
+        let heading = if is_smooth { "errors smooth" } else { "errors noise" };
+        TEXT.say(heading, values! { name, share: share(most, values.len()) })
     });
-    words.collect::<Vec<_>>().join(" ")
+    Ok(sentences.collect::<Result<Vec<_>>>()?.join(" "))
 }
 
 /// Errors of several methods, by name, over rising levels: one row for each level.
-pub(super) fn over_levels(rows: &[(String, Vec<f64>)], methods: &[&str]) -> String {
+pub(super) fn over_levels(rows: &[(String, Vec<f64>)], methods: &[&str]) -> Result<String> {
     let (Some((first, low)), Some((last, high))) = (rows.first(), rows.last()) else {
-        return String::new();
+        return Ok(String::new());
     };
     let rising = rows.windows(2).all(|w| w[0].1.iter().zip(&w[1].1).all(|(a, b)| a < b));
-    let begin = match rising {
-        true => "From row to row the normal error grows with every method",
-        false => "From row to row the normal error grows with most methods, but not all",
-    };
     let ends = methods.iter().zip(low.iter().zip(high));
     let ends: Vec<String> =
         ends.map(|(name, (a, b))| format!("{name} {}° and {}°", brief(*a), brief(*b))).collect();
-    format!("{begin} (at σ = {first} and {last}: {}).", ends.join("; "))
+    let (first, last, ends) = (first.as_str(), last.as_str(), ends.join("; "));
+    TEXT.say(if rising { "levels" } else { "levels mixed" }, values! { first, last, ends })
 }
 
 /// The methods with the least and the largest normal error, by name.
-pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> String {
-    let least = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let most = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    match (least, most) {
-        (Some((a, x)), Some((b, y))) => format!(
-            "The result of {a} has the smallest normal error, {}°, that of {b} the largest, {}°.",
-            brief(*x),
-            brief(*y)
-        ),
-        _ => String::new(),
-    }
+pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> Result<String> {
+    let best = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let worst = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (Some(&(best, least)), Some(&(worst, largest))) = (best, worst) else {
+        return Ok(String::new());
+    };
+    TEXT.say("best and worst", values! { best, least, worst, largest })
 }
 
 /// A mesh from so many modes each, with its error over the diagonal.
-pub(super) fn reconstructions(name: &str, errors: &[(usize, f64)]) -> String {
-    let (Some((few, large)), Some((many, small))) = (errors.first(), errors.last()) else {
-        return String::new();
+pub(super) fn reconstructions(name: &str, errors: &[(usize, f64)]) -> Result<String> {
+    let (Some(&(few, large)), Some(&(many, small))) = (errors.first(), errors.last()) else {
+        return Ok(String::new());
     };
-    let end = match *small < ROUNDING {
-        true => format!("from all {many} only rounding error remains"),
-        false => format!("from {many} by {} %", brief(100.0 * small)),
-    };
-    format!(
-        "From {few} modes the {name} is off by {} % of its diagonal, {end}: the coarse shape comes first, details last.",
-        brief(100.0 * large),
-    )
+    let is_exact = small < ROUNDING;
+    let heading = if is_exact { "reconstructions exact" } else { "reconstructions" };
+    TEXT.say(heading, values! { few, name, large, many, small })
 }
 
 #[cfg(test)]
@@ -217,41 +178,42 @@ mod tests {
     #[test]
     fn a_plane_is_grey_but_for_its_corners() {
         let mean = field(&[0.0, 1e-9, 0.0, 0.0], 2);
-        let text = signed(&mean, &field(&[0.0, 0.0, 700.0, 700.0], 2));
+        let text = signed(&mean, &field(&[0.0, 0.0, 700.0, 700.0], 2)).unwrap();
         assert!(text.starts_with("Everything is grey except 2 vertices of the border"), "{text}");
-        assert!(signed(&mean, &field(&[0.0; 4], 2)).contains("zero everywhere"));
+        assert!(signed(&mean, &field(&[0.0; 4], 2)).unwrap().contains("zero everywhere"));
         assert!(
-            range(&[&mean]).contains("rounding")
-                && !range(&[&field(&[1.0], 0)]).contains("rounding")
+            range(&[&mean]).unwrap().contains("rounding")
+                && !range(&[&field(&[1.0], 0)]).unwrap().contains("rounding")
         );
-        let text = signed(&field(&[1.0, -1.0, 2.0, 0.5], 0), &field(&[1.0, -1.0, -2.0, 0.5], 0));
+        let text =
+            signed(&field(&[1.0, -1.0, 2.0, 0.5], 0), &field(&[1.0, -1.0, -2.0, 0.5], 0)).unwrap();
         assert!(text.contains("75 % of the inner vertices, K at 50 %"), "{text}");
     }
 
     #[test]
     fn equalised_colours_are_said_to_hide_what_they_hide() {
-        let text = equalised(&[("K", &field(&[0.0, 0.0, 0.0, 9.0], 0))]);
+        let text = equalised(&[("K", &field(&[0.0, 0.0, 0.0, 9.0], 0))]).unwrap();
         assert!(
             text.ends_with("because their value is zero, to rounding: K at 75 % of them."),
             "{text}"
         );
-        let text = equalised(&[("K", &field(&[-8.0, 1.0, 2.0, 3.0, 90.0], 0))]);
+        let text = equalised(&[("K", &field(&[-8.0, 1.0, 2.0, 3.0, 90.0], 0))]).unwrap();
         assert!(text.contains("between 1 and 3 (all of them between −8 and 90)"), "{text}");
     }
 
     #[test]
     fn two_estimates_agree_as_far_as_they_do() {
         let (a, b) = (field(&[1.0, 2.0, -1.0], 0), field(&[1.0, 2.0, 1.0], 0));
-        assert!(agreement(&a, &b).contains("67 % of the inner vertices"));
+        assert!(agreement(&a, &b).unwrap().contains("67 % of the inner vertices"));
         let flat = field(&[0.0; 3], 1);
-        assert!(agreement(&flat, &flat).starts_with("Everything is grey"));
+        assert!(agreement(&flat, &flat).unwrap().starts_with("Everything is grey"));
     }
 
     #[test]
     fn errors_are_smooth_or_noise() {
-        let text = errors(&[("a", &[1.0, -1.0, 2.0, -2.0]), ("b", &[1.0; 20])]);
+        let text = errors(&[("a", &[1.0, -1.0, 2.0, -2.0]), ("b", &[1.0; 20])]).unwrap();
         assert!(text.contains(
-            "The error of a has either sign, the commoner one at 50 % of the vertices: it is noise."
+            "The error of a has both signs, the more common one at 50 % of the vertices: it is noise."
         ));
         assert!(
             text.contains(
@@ -264,19 +226,19 @@ mod tests {
     fn a_row_is_worse_only_where_it_is() {
         let row = |name: &str, errors: [f64; 2]| (name.to_string(), errors.to_vec());
         let rising = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 30.0])];
-        let text = over_levels(&rising, &["x", "y"]);
+        let text = over_levels(&rising, &["x", "y"]).unwrap();
         assert!(text.ends_with("(at σ = 0.1 and 0.5: x 2° and 20°; y 3° and 30°)."), "{text}");
         assert!(
             text.starts_with("From row to row the normal error grows with every method"),
             "{text}"
         );
         let mixed = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 1.0])];
-        assert!(over_levels(&mixed, &["x", "y"]).contains("but not all"));
+        assert!(over_levels(&mixed, &["x", "y"]).unwrap().contains("but not all"));
     }
 
     #[test]
     fn the_best_and_the_worst_have_their_errors() {
-        let text = best_and_worst(&[("x", 2.5), ("y", 1.5), ("z", 9.0)]);
+        let text = best_and_worst(&[("x", 2.5), ("y", 1.5), ("z", 9.0)]).unwrap();
         let expected =
             "The result of y has the smallest normal error, 1.5°, that of z the largest, 9°.";
         assert_eq!(text, expected);
@@ -284,12 +246,14 @@ mod tests {
 
     #[test]
     fn errors_of_reconstructions_are_those_given() {
-        let text = reconstructions("ball", &[(5, 0.08), (100, 0.004)]);
+        let text = reconstructions("ball", &[(5, 0.08), (100, 0.004)]).unwrap();
         assert!(
             text.starts_with(
                 "From 5 modes the ball is off by 8 % of its diagonal, from 100 by 0.4 %"
             )
         );
-        assert!(reconstructions("ball", &[(5, 0.08), (9, 1e-16)]).contains("only rounding"));
+        assert!(
+            reconstructions("ball", &[(5, 0.08), (9, 1e-16)]).unwrap().contains("only rounding")
+        );
     }
 }

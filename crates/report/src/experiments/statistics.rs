@@ -1,6 +1,6 @@
 //! Numbers about a handful of numbers.
 
-use fairing_sparse::smaller;
+use fairing_sparse::{larger, smaller};
 
 /// Errors nearer to each other than this, over the smaller, are equal: rounding
 /// does not say which is the least.
@@ -10,6 +10,12 @@ const TIE: f64 = 1e-9;
 pub(super) fn least<T: Copy>(pairs: &[(f64, T)]) -> Option<(f64, T)> {
     let least = pairs.iter().map(|p| p.0).fold(f64::INFINITY, smaller);
     pairs.iter().copied().find(|p| p.0 <= least * (1.0 + TIE))
+}
+
+/// The least and the largest value; infinities of none.
+pub(super) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    values.into_iter().fold(none, |[least, most], x| [smaller(least, x), larger(most, x)])
 }
 
 #[cfg(test)]

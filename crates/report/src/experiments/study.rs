@@ -15,9 +15,9 @@ pub(super) const MEASURES: [&str; 8] =
 
 /// The exact curvature at inner vertices, `None` elsewhere.
 pub(super) fn exact_values(sample: Sample, mesh: &TriMesh) -> Result<Vec<Option<PointCurvature>>> {
-    let exact = |&p: &[f64; 3]| match sample.is_inner(p) {
-        true => sample.exact(p).context("a vertex off the surface").map(Some),
-        false => Ok(None),
+    let exact = |&p: &[f64; 3]| {
+        let inner = sample.is_inner(p).then(|| sample.exact(p).context("a vertex off the surface"));
+        inner.transpose()
     };
     mesh.positions().iter().map(exact).collect()
 }

@@ -20,8 +20,11 @@ use fairing_spectral::{SpectrumOptions, spectrum};
 
 use super::surfaces::{JITTER, Sampling};
 use crate::experiment::Context;
+use crate::experiment::text::{Text, values};
 use crate::model::table::{Table, Unit};
 use crate::row;
+
+static TEXT: Text = Text::new("torus", include_str!("../../text/torus.md"));
 
 /// Degree of the polynomials; doubling it changes nothing above rounding.
 const DEGREE: usize = 24;
@@ -86,9 +89,7 @@ pub(super) fn table(context: &Context<'_>, levels: u32) -> Result<Table> {
     let exact = eigenvalues(MAJOR, MINOR, COMPARED + 1)?;
     let mut table = Table::new(
         "torus",
-        &format!(
-            "Eigenvalues of a torus of revolution with radii {MAJOR} and {MINOR} against those of its separated equation (solved to rounding): the first that is not zero, the largest relative error of the first twelve, and the observed order."
-        ),
+        &TEXT.say("table", values! { major: MAJOR, minor: MINOR })?,
         &[
             ("sampling", Unit::Label),
             ("h", Unit::Length),

@@ -164,7 +164,7 @@ impl<'a> Restored<'a> {
             rows.push((level.name.clone(), errors.collect::<Result<_>>()?));
         }
         let names: Vec<&str> = SHOWN[1..].iter().map(|m| m.name()).collect();
-        Ok(seen::over_levels(&rows, &names))
+        seen::over_levels(&rows, &names)
     }
 
     /// The noisy model, the result of a method, and the truth, with sliders for the noise and the
