@@ -140,6 +140,16 @@ impl Text {
         card.unwrap_or_else(|error| panic!("{error:#}"))
     }
 
+    /// The value of a parameter of the card, the block `# parameter NAME`.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::card`].
+    pub(crate) fn parameter(&self, name: &str, values: Values<'_>) -> String {
+        let words = self.say(&format!("parameter {name}"), values);
+        words.unwrap_or_else(|error| panic!("{error:#}"))
+    }
+
     fn described(
         &'static self,
         inputs: &'static [Input],

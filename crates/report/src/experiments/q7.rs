@@ -9,8 +9,8 @@ use super::restoring::{
 };
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::Outcome;
+use crate::experiment::text::values;
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
 use crate::model::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::model::verdict::Judgement;
 use crate::row;
@@ -21,7 +21,7 @@ mod methods;
 mod pictures;
 
 use limits::ERRORS;
-use methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
+use methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK, TEXT};
 
 pub(super) struct GrowingNoise;
 
@@ -40,57 +40,24 @@ const SEEDS: [usize; 2] = [5, 3];
 /// ones.
 const HOPELESS: f64 = 20.0;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Diffusion,
-        "Now noise is added on purpose, so that the error is known. When does smoothing bring a shape \
-                closer to the truth?",
-    )
-    .commands(&["fairing noise truth.ply -o noisy.ply --sigma 0.3 --kind axes", "fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.5 --iterations 10", "fairing compare smooth.ply truth.ply"])
-    .edge_lengths_of("the mesh without noise, the truth")
-    .sources(&["desbrun1999", "taubin1995", "zheng2011", "zhang2015"])
-    .notation(&["T", "n", "E_a", "E_v"])
-    .shows(&["levels-view", "normals", "levels"], &[])
-    .names(&[("scan-view", "the shape with details"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one part with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])
-}
-
 impl Experiment for GrowingNoise {
     fn card(&self) -> Card {
         let [lowest, .., highest] = SWEEP;
-        Card {
-            id: "q7",
-            title: "Denoising under growing noise",
-            question: "When does smoothing remove noise, and when does it fail? What works instead?".into(),
-            method: format!(
-                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a generated machine part with coarse faces, a smooth torus and a shape with details, with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Its networks are trained on generated meshes, among them machine parts, tori and creatures: on such shapes its results are no test of it. The section on denoisers has meshes that it has not seen.\n\nFour flows are run. Two have the steps that the original report recommends in its other answers, since it does not say what it used here: {} explicit ones of {}, {} implicit ones of {}. Two are our choice and cover the same diffusion time: {EXPLICIT}; and {IMPLICIT}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues; in a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are the normal error E_a, the mean angle between the normals of matching faces of the result and of the truth, and the vertex error E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at low noise it can do more harm than the noise. A shape is called kept while the normal error stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
-                REPORT_EXPLICIT.count,
-                REPORT_EXPLICIT.lambda,
-                REPORT_IMPLICIT.count,
-                REPORT_IMPLICIT.lambda,
-                2.0 * KEPT
-            ),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
-            inputs: &[Input::Fandisk, Input::Scan],
-            parameters: vec![
-                ("explicit", format!("uniform, {EXPLICIT}; {REPORT_EXPLICIT}")),
-                ("implicit", format!("uniform, {IMPLICIT}; {REPORT_IMPLICIT}")),
-                ("spectral", format!("one mode in {MODES} up to a gap, random-walk weights")),
-                (
-                    "Taubin and denoisers",
-                    "defaults; non-iterative denoising is left out, because its radius widens with the noise"
-                        .into(),
-                ),
-                (
-                    "seeds",
-                    format!(
-                        "{}; {} for bilateral, L0, total variation and guided filtering, which take longer than all others together",
-                        SEEDS[0], SEEDS[1]
-                    ),
-                ),
-            ],
-        }
+        let ours = format!("uniform, {EXPLICIT}; {REPORT_EXPLICIT}");
+        let parameters = vec![
+            ("explicit", ours),
+            ("implicit", format!("uniform, {IMPLICIT}; {REPORT_IMPLICIT}")),
+            ("spectral", format!("one mode in {MODES} up to a gap, random-walk weights")),
+            ("Taubin and denoisers", TEXT.parameter("denoisers", &[])),
+            ("seeds", TEXT.parameter("seeds", values! { most: SEEDS[0], slow: SEEDS[1] })),
+        ];
+        let values = values! {
+            lowest, highest, modes: MODES, hopeless: HOPELESS, kept: KEPT, shrunk: SHRUNK,
+            sharp: 2.0 * KEPT, errors: ERRORS, explicit: EXPLICIT.to_string(),
+            implicit: IMPLICIT.to_string(), report_explicit: REPORT_EXPLICIT.to_string(),
+            report_implicit: REPORT_IMPLICIT.to_string(),
+        };
+        TEXT.card(&[Input::Fandisk, Input::Scan], parameters, values)
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
@@ -151,14 +118,14 @@ fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
 fn model(context: &Context<'_>, part: &Body) -> Result<Table> {
     let mut model = table(
         "model",
-        "The machine part under the assignment's noise, σ in model units.",
+        &TEXT.say("table model", &[])?,
         &[
             ("mesh", Unit::Label),
             ("σ", Unit::Length),
             ("σ/h", Unit::EdgeLengths),
             ("σ/diagonal", Unit::Diagonals),
         ],
-    );
+    )?;
     let mut running = Running::all(context);
     for (k, &sigma) in ASSIGNMENT.iter().enumerate() {
         context.progress(0.1 * k as f64, "model units");
@@ -175,9 +142,9 @@ fn sweep(context: &Context<'_>, bodies: &[Body; 3]) -> Result<Table> {
     let levels = context.choose(&SWEEP[..], &QUICK);
     let mut sweep = table(
         "sweep",
-        "Three meshes under noise in mean edge lengths.",
+        &TEXT.say("table sweep", &[])?,
         &[("mesh", Unit::Label), ("σ/h", Unit::EdgeLengths)],
-    );
+    )?;
     for (b, body) in bodies.iter().enumerate() {
         let mut running = Running::all(context);
         for (k, &sigma) in levels.iter().enumerate() {
@@ -219,7 +186,7 @@ impl Running {
 fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
     let mut table = Table::new(
         "modes",
-        "A twentieth of the modes, the number that the spectral method keeps to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
+        &TEXT.say("table modes", &[])?,
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -236,10 +203,8 @@ fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
     Ok(table)
 }
 
-fn table(id: &str, caption: &str, leading: &[(&str, Unit)]) -> Table {
-    let caption = format!(
-        "{caption} Means over the seeds, each followed by the standard deviation from seed to seed; flipped faces are those that oppose the truth."
-    );
+fn table(id: &str, caption: &str, leading: &[(&str, Unit)]) -> Result<Table> {
+    let caption = format!("{caption} {}", TEXT.say("table means", &[])?);
     let columns = [
         ("method", Unit::Label),
         ("seeds", Unit::Count),
@@ -255,12 +220,14 @@ fn table(id: &str, caption: &str, leading: &[(&str, Unit)]) -> Table {
     let aside: Vec<&str> =
         aside.into_iter().filter(|name| columns.iter().any(|(known, _)| known == name)).collect();
     // Thresholds on noisy normals amplify the last digits.
-    ["normal error", "± normal error", "vertex error", "± vertex error", "flipped", "volume"]
-        .into_iter()
-        .fold(Table::new(id, &caption, &columns).aside(&aside), |table, column| {
-            let absolute = if column == "flipped" || column == "volume" { 0.05 } else { 1e-3 };
-            table.tolerance(column, Some(Tolerance { relative: 0.02, absolute }))
-        })
+    let mut table = Table::new(id, &caption, &columns).aside(&aside);
+    for column in
+        ["normal error", "± normal error", "vertex error", "± vertex error", "flipped", "volume"]
+    {
+        let absolute = if column == "flipped" || column == "volume" { 0.05 } else { 1e-3 };
+        table = table.tolerance(column, Some(Tolerance { relative: 0.02, absolute }));
+    }
+    Ok(table)
 }
 
 fn push(table: &mut Table, leading: &[Cell], trials: &[Trials], faces: usize) {
@@ -278,6 +245,3 @@ fn push(table: &mut Table, leading: &[Cell], trials: &[Trials], faces: usize) {
         table.push(leading.iter().cloned().chain(measured));
     }
 }
-
-const FORMULAS: [&str; 1] =
-    [r"E_a = \text{mean over the triangles } T \text{ of } \arccos(n_T \cdot \hat n_T)"];

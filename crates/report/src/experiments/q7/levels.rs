@@ -6,9 +6,11 @@ use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 use fairing_sparse::{larger, smaller};
 
-use super::methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
+use super::methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK, TEXT};
 use crate::experiment::Context;
+use crate::experiment::text::values;
 use crate::experiments::restoring::{Body, Method, Trials};
+use crate::experiments::seen;
 use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::row;
@@ -39,9 +41,7 @@ fn is_kept(angle: f64, volume: Option<f64>) -> bool {
 pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "resolution",
-        &format!(
-            "The normal error of a generated machine part with faces of several sizes under the same noise in model units, without and with each method; means over the seeds, and the largest standard error of the means. The last column has those of the four flows that keep the shape (a normal error below {KEPT}°, no more than {SHRUNK} % of the volume lost). The automatic denoiser was trained on such parts."
-        ),
+        &TEXT.say("table resolution", values! { kept: KEPT, shrunk: SHRUNK })?,
         &[
             ("vertices", Unit::Count),
             ("h", Unit::Length),
@@ -60,7 +60,15 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             ("kept by", Unit::Label),
         ],
     )
-    .aside(&["vertices", "seeds", "diagonal", "standard error", COMPARED[2].name(), COMPARED[3].name(), COMPARED[4].name()]);
+    .aside(&[
+        "vertices",
+        "seeds",
+        "diagonal",
+        "standard error",
+        COMPARED[2].name(),
+        COMPARED[3].name(),
+        COMPARED[4].name(),
+    ]);
     for method in COMPARED {
         table = table.tolerance(method.name(), Some(Tolerance::LOOSE));
     }
@@ -178,53 +186,35 @@ fn coarse_and_best(resolution: &Table) -> Result<[[f64; 3]; 2]> {
     Ok([*coarse, *best])
 }
 
-/// A sentence on the size of features, if more noise for each edge leaves less error.
-fn features_count([coarse, best]: [[f64; 3]; 2]) -> Option<String> {
-    (best[0] > coarse[0]).then(|| {
-        format!(
-            "Noise over edge length does not decide alone: at the same σ = {} the explicit flow leaves {}° at {} h and {}° at {} h, since finer faces put more edges on each feature ({} and {} of them along the diagonal)",
-            ASSIGNMENT[0],
-            brief(coarse[2]),
-            brief(coarse[0]),
-            brief(best[2]),
-            brief(best[0]),
-            brief(coarse[1].round()),
-            brief(best[1].round())
-        )
-    })
+/// A sentence on the size of features, if more noise for each edge leaves less error; empty
+/// otherwise.
+fn features([coarse, best]: [[f64; 3]; 2]) -> Result<String> {
+    if best[0] <= coarse[0] {
+        return Ok(String::new());
+    }
+    let values = values! {
+        sigma: ASSIGNMENT[0], coarse_error: coarse[2], coarse_share: coarse[0],
+        best_error: best[2], best_share: best[0], coarse_edges: coarse[1].round(),
+        best_edges: best[1].round(),
+    };
+    Ok(format!(" {}", TEXT.say("features", values)?))
 }
 
 /// Flows that depend on the size of the faces, as a sentence.
-fn resolved(depends: &[Dependence]) -> String {
+fn resolved(depends: &[Dependence]) -> Result<String> {
     let Some(first) = depends.first() else {
-        return "no level is kept at one size and lost at another".into();
+        return Ok("no level is kept at one size and lost at another".into());
     };
-    let counts: Vec<String> = ASSIGNMENT
-        .iter()
-        .map(|sigma| {
-            let flows = depends.iter().filter(|d| d.sigma == *sigma).count();
-            format!("{flows} at σ = {}", brief(*sigma))
-        })
-        .collect();
-    format!(
-        "some of the flows keep the shape at one size and lose it at another: {}. The {} flow keeps σ = {} at {} h only. A level in model units says nothing without the size of the faces and of the features",
-        counts.join(", "),
-        first.flow,
-        brief(first.sigma),
-        list(&first.kept),
-    )
+    let counts = ASSIGNMENT.map(|sigma| {
+        let flows = depends.iter().filter(|d| d.sigma == sigma).count();
+        format!("{flows} at σ = {}", brief(sigma))
+    });
+    let (counts, kept) = (counts.join(", "), list(&first.kept));
+    TEXT.say("resolved", values! { counts, flow: first.flow, sigma: first.sigma, kept })
 }
 
 fn list(values: &[f64]) -> String {
-    joined(&values.iter().map(|x| brief(*x)).collect::<Vec<_>>())
-}
-
-/// `a, b and c`.
-fn joined(words: &[String]) -> String {
-    match words.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => words.concat(),
-    }
+    seen::list(&values.iter().map(|x| brief(*x)).collect::<Vec<_>>())
 }
 
 /// Claim 7a.
@@ -243,44 +233,30 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let h = resolution.column("h")?;
     let (coarse, fine) =
         (h.iter().copied().fold(0.0, larger), h.iter().copied().fold(f64::INFINITY, smaller));
-    let each =
-        |value: &dyn Fn(&Level) -> String| joined(&levels.iter().map(value).collect::<Vec<_>>());
+    let each = |value: &dyn Fn(&Level) -> String| {
+        seen::list(&levels.iter().map(value).collect::<Vec<_>>())
+    };
     let spread = |l: &Level| {
         let least = l.flows.iter().copied().fold(f64::INFINITY, smaller);
         let most = l.flows.iter().copied().fold(0.0, larger);
         format!("{} to {}°", brief(least), brief(most))
     };
-    let counts = features_count(coarse_and_best(resolution)?);
-    let shares = list(&levels.iter().map(|l| l.share).collect::<Vec<_>>());
-    let reason = format!(
-        "On the machine part the three levels are {} h. Four flows are run: {} and {}, as the original report recommends, and {} and {} with steps of our choice. They leave normal errors of {}. Of these {all}, {} keep the shape, with a normal error below {KEPT}° and no more than {SHRUNK} % of the volume lost. The best other published method leaves {}°. On a generated machine part with faces of {} sizes, h from {} down to {}, {}.{}",
-        shares,
-        Method::ReportExplicit.name(),
-        Method::ReportImplicit.name(),
-        Method::Explicit.name(),
-        Method::Implicit.name(),
-        each(&spread),
-        each(&|l| l.kept.to_string()),
-        list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
-        h.len() / ASSIGNMENT.len(),
-        brief(coarse),
-        brief(fine),
-        resolved(&depends),
-        counts.as_ref().map(|words| format!(" {words}.")).unwrap_or_default(),
-    );
-    let judgement =
-        Judgement::new("7a", "σ = 0.05 and 0.1 keep the shape, 0.5 destroys it", verdict, reason)
-            .finding(match &counts {
-                Some(words) => format!(
-                    "It depends on the faces and the features: these levels are {shares} edge lengths of the machine part. {words}."
-                ),
-                None => format!(
-                    "What counts is the noise over the edge length: these levels are {shares} edge lengths of the machine part."
-                ),
-            })
-            .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 0]).field("normal error")))
-            .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
-            .number("highest", levels[2].share, Unit::EdgeLengths);
+    let values = values! {
+        shares: list(&levels.iter().map(|l| l.share).collect::<Vec<_>>()),
+        report_explicit: Method::ReportExplicit.name(),
+        report_implicit: Method::ReportImplicit.name(),
+        explicit: Method::Explicit.name(), implicit: Method::Implicit.name(),
+        spread: each(&spread), all, keep: each(&|l| l.kept.to_string()),
+        kept: KEPT, shrunk: SHRUNK,
+        others: list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
+        sizes: h.len() / ASSIGNMENT.len(), coarse, fine, resolved: resolved(&depends)?,
+        features: features(coarse_and_best(resolution)?)?,
+    };
+    let judgement = TEXT
+        .judgement("7a", verdict, values)?
+        .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 0]).field("normal error")))
+        .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
+        .number("highest", levels[2].share, Unit::EdgeLengths);
     with_errors(judgement, &levels)
 }
 
@@ -362,9 +338,9 @@ mod tests {
     /// Finer faces have more noise for each edge and more edges for each feature.
     #[test]
     fn features_are_mentioned_where_they_count() {
-        let text = features_count([[0.2, 16.0, 22.0], [0.8, 80.0, 9.0]]).unwrap();
+        let text = features([[0.2, 16.0, 22.0], [0.8, 80.0, 9.0]]).unwrap();
         assert!(text.contains("22° at 0.2 h and 9° at 0.8 h"), "{text}");
-        assert!(features_count([[0.2, 16.0, 5.0], [0.2, 16.0, 5.0]]).is_none());
+        assert!(features([[0.2, 16.0, 5.0], [0.2, 16.0, 5.0]]).unwrap().is_empty());
     }
 
     #[test]

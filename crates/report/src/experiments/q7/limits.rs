@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 
 use anyhow::{Context as _, Result};
 
-use super::methods::{KEPT, METHODS, SHRUNK};
+use super::methods::{KEPT, METHODS, SHRUNK, TEXT};
+use crate::experiment::text::values;
 use crate::experiments::restoring::Method;
 use crate::model::table::{Table as Results, Tables, Tolerance, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict};
@@ -22,7 +23,7 @@ pub(super) const ERRORS: f64 = 2.0;
 pub(super) fn table(sweep: &Results) -> Result<Results> {
     let mut table = Results::new(
         "limits",
-        "The range of noise in which each method helps, from the first level at which its mean error is below that of the noisy input to the first one at which it no longer is (a dash means that it still helps at the last level), and the level up to which it keeps the shape, with the range that two standard errors of the normal error leave (∞ means to the end of the sweep). The last row of each mesh takes the best method at each level, the automatic denoiser among them, which was trained on meshes like some of these: beyond its limit nothing recovers the shape.",
+        &TEXT.say("table limits", &[])?,
         &[
             ("mesh", Unit::Label),
             ("method", Unit::Label),
@@ -194,24 +195,16 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
             Some(_) => "flows go further",
             None => "there is no measurable difference",
         };
-        sentences.push(format!(
-            "On the {mesh} flows keep the shape {}, denoisers {}: {words}. The automatic one keeps it {}.",
-            flows.words(),
-            denoisers.words(),
-            trained.words()
-        ));
+        let [flow, denoiser, trained] = [flows, denoisers, trained].map(Limit::words);
+        let values = values! { mesh, flows: flow, denoisers: denoiser, order: words, trained };
+        sentences.push(TEXT.say("on a mesh", values)?);
         found.push(order);
         numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
     }
-    let reason = format!(
-        "Compared are, on each mesh, the best flow or filter without creases and the best published denoiser; in brackets is the range of two standard errors. The automatic denoiser was trained on meshes like some of these and decides nothing here. {}",
-        sentences.join(" "),
-    );
-    let claim = "Published denoisers keep the shape under more noise than flows do";
-    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
-        .finding(summary(&numbers, &found))
-        .ours()
-        .shown(Shown::figure("q7", "normals"));
+    let [begin, each] = summary(&numbers, &found);
+    let values = values! { meshes: sentences.join(" "), begin, each };
+    let mut judgement =
+        TEXT.judgement("7b", verdict(&found), values)?.ours().shown(Shown::figure("q7", "normals"));
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
             // Beyond the end of the sweep there is no number.
@@ -225,7 +218,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
 }
 
 /// The meshes on which denoisers go further, and the limits of denoisers and flows on each mesh.
-fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String {
+fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> [String; 2] {
     let further = numbers.iter().zip(found).filter(|(_, o)| **o == Some(Ordering::Greater));
     let further: Vec<String> = further.map(|((mesh, _), _)| format!("the {mesh}")).collect();
     let words = |kept: f64| match kept {
@@ -242,7 +235,7 @@ fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String
         n if n < found.len() => format!("Only on {} is that so. ", further.join(" and ")),
         _ => String::new(),
     };
-    format!("{begin}Published denoisers and flows keep the shape {each}.")
+    [begin, each]
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.

@@ -5,7 +5,11 @@ use fairing_denoising::{
     Denoiser, FastEffectiveOptions, GuidedNormalOptions, L0Options, TotalVariationOptions,
 };
 
+use crate::experiment::text::Text;
 use crate::experiments::restoring::Method;
+
+/// The words of the experiment.
+pub(super) static TEXT: Text = Text::new("q7", include_str!("../../../text/q7.md"));
 
 /// The assignment's levels, in model units.
 pub(super) const ASSIGNMENT: [f64; 3] = [0.05, 0.1, 0.5];

@@ -9,9 +9,10 @@ use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Shape, Up
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
-use super::methods::{ASSIGNMENT, KEPT};
+use super::methods::{ASSIGNMENT, KEPT, TEXT};
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
+use crate::experiment::text::values;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
 use crate::experiments::models::{CREASES, FEATURE};
@@ -65,12 +66,7 @@ pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, Vie
         drawn: true,
     });
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
-    let picture = restored.draw(
-        "levels",
-        "The machine part under three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal. Counterpart of Figure 12 of the original report.",
-        "Three rows of six pictures of the machine part, one for each level: noisy, smoothed, and denoised.",
-    )?;
-    Ok((picture, restored.view("levels", " Counterpart of Figure 12 of the original report.")?))
+    Ok((restored.draw("levels")?, restored.view("levels")?))
 }
 
 /// The same of the scan, levels in h.
@@ -82,30 +78,19 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
     });
     let viewpoint = Viewpoint::Angles { azimuth: 30.0, elevation: 10.0 };
     let restored = Restored::new(context, scan, &levels, viewpoint, Up::Y)?;
-    let picture = restored.draw(
-        "scan",
-        &format!(
-            "The {} under three levels of noise, and after each method.",
-            scan.name
-        ),
-        &format!(
-            "Three rows of six pictures of the {}, one for each level: noisy, smoothed, and denoised.",
-            scan.name
-        ),
-    )?;
-    Ok((picture, restored.view("scan", "")?))
+    Ok((restored.draw("scan")?, restored.view("scan")?))
 }
 
 /// A sentence that says which of the bodies are of kinds that training saw; empty if none is.
-fn trained(bodies: &[&Body]) -> String {
+fn trained(bodies: &[&Body]) -> Result<String> {
     let names = bodies.iter().filter(|body| body.is_trained_on);
     let names: Vec<String> = names.map(|body| format!("the {}", body.name)).collect();
     let like = match names.len() {
-        0 => return String::new(),
+        0 => return Ok(String::new()),
         n if n == bodies.len() => "like these".into(),
         _ => format!("like {}", seen::list(&names)),
     };
-    format!(" The automatic denoiser was trained on meshes {like}.")
+    Ok(format!(" {}", TEXT.say("trained", values! { like })?))
 }
 
 /// A level of noise.
@@ -142,8 +127,11 @@ impl<'a> Restored<'a> {
         Ok(Self { body, levels, meshes, viewpoint, up })
     }
 
-    fn draw(&self, id: &str, caption: &str, alt: &str) -> Result<Picture> {
-        let caption = format!("{} {caption}{}", self.to_see()?, trained(&[self.body]));
+    fn draw(&self, id: &str) -> Result<Picture> {
+        let (name, trained) = (self.body.name, trained(&[self.body])?);
+        let values = values! { seen: self.to_see()?, name, trained };
+        let caption = TEXT.say(&format!("figure {id}"), values)?;
+        let alt = TEXT.say(&format!("figure {id} alt"), values)?;
         let drawn = self.levels.iter().zip(&self.meshes).filter(|(level, _)| level.drawn);
         let rows = drawn.map(|(level, meshes)| Row {
             title: format!("σ = {}", level.name),
@@ -152,7 +140,7 @@ impl<'a> Restored<'a> {
             titles: SHOWN.map(|m| m.name().into()).to_vec(),
         });
         Grid { rows: rows.collect(), viewpoint: self.viewpoint, up: self.up, aspect: 1.0 }
-            .draw(id, &caption, alt)
+            .draw(id, &caption, &alt)
     }
 
     /// The effect visible in the picture: the errors of all results in the first and the last row.
@@ -169,8 +157,9 @@ impl<'a> Restored<'a> {
 
     /// The noisy model, the result of a method, and the truth, with sliders for the noise and the
     /// method.
-    fn view(&self, figure: &str, counterpart: &str) -> Result<View> {
+    fn view(&self, figure: &str) -> Result<View> {
         let name = self.body.name;
+        let trained = trained(&[self.body])?;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
         let (mut noisy, mut results) = (vec![], vec![]);
         for meshes in &self.meshes {
@@ -186,11 +175,8 @@ impl<'a> Restored<'a> {
         Ok(View {
             id: format!("{figure}-view"),
             mesh: name.into(),
-            caption: format!(
-                "What a method gains in normals it can lose in volume or creases: the numbers are under the panels. The {name} with noise, after each method, and without noise.{counterpart}{}",
-                trained(&[self.body])
-            ),
-            alt: format!("The {name} three times, to turn, with sliders over noise and method."),
+            caption: TEXT.say(&format!("view {figure}"), values! { name, trained })?,
+            alt: TEXT.say("view alt", values! { name })?,
             fallback: figure.into(),
             color: None,
             z_up: self.up == Up::Z,
@@ -231,27 +217,16 @@ impl<'a> Restored<'a> {
 /// Errors over the noise, a figure for each error with a plot for each mesh of the sweep and for
 /// the machine part.
 pub(super) fn curves(sweep: &Table, model: &Table, bodies: &[&Body]) -> Result<Vec<Picture>> {
-    let training = trained(bodies);
+    let trained = trained(bodies)?;
     let errors = [
-        (
-            "normals",
-            "normal error",
-            "normal error in degrees",
-            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. The normal error over the noise, mean and standard deviation over seeds; in colour: the methods that are best somewhere, each in one colour in all plots.",
-        ),
-        (
-            "distances",
-            "vertex error",
-            "vertex error in h",
-            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. The vertex error over the noise, with the same colours.",
-        ),
+        ("normals", "normal error", "normal error in degrees"),
+        ("distances", "vertex error", "vertex error in h"),
     ];
-    errors
-        .into_iter()
-        .map(|(id, column, label, caption)| {
-            curve([sweep, model], id, column, label, &format!("{caption}{training}"))
-        })
-        .collect()
+    let drawn = errors.into_iter().map(|(id, column, label)| {
+        let caption = TEXT.say(&format!("figure {id}"), values! { trained: trained.as_str() })?;
+        curve([sweep, model], id, column, label, &caption)
+    });
+    drawn.collect()
 }
 
 /// The error in one column.
@@ -302,12 +277,7 @@ fn curve(
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 180.0)?));
     }
-    let picture = plotted(
-        &figure,
-        id,
-        caption,
-        "Four plots of error over noise on logarithmic axes, a line for each method.",
-    )?;
+    let picture = plotted(&figure, id, caption, &TEXT.say("figure errors alt", &[])?)?;
     // The last mesh of the sweep is that of the view.
     Ok(match tables[0].labels("mesh")?.last() {
         Some(last) => picture.linked(last, "", "scan-view", "σ"),
