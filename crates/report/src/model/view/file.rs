@@ -252,7 +252,7 @@ mod tests {
             refused(|view| view.start = vec![2]),
             refused(|view| view.from = Some(2)),
             refused(|view| view.panels[0].positions[1][2][0] = 1e300),
-            refused(|view| drop(view.panels[0].positions[1].pop())),
+            refused(|view| _ = view.panels[0].positions[1].pop()),
             refused(|view| view.panels[1].faces[0][1] = 3),
             refused(|view| view.truth = Some(vec![])),
         ];
