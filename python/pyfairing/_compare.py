@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import _core
-from ._calls import Progress, running
+from ._calls import Progress, call
 from ._docs import documented
 from ._mesh import Mesh
 from ._results import Scores
@@ -42,8 +42,7 @@ def compare(
         A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
         of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
     """
-    with running(threads, progress) as call:
-        diagonal, entries, table = _core.compare(
-            mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call
-        )
+    diagonal, entries, table = _core.compare(
+        mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call(threads, progress)
+    )
     return Scores(diagonal, entries, table)

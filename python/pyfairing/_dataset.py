@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _batch, _plan
-from ._calls import FairingWarning, Progress, running
+from ._calls import FairingWarning, Progress, call
 from ._plan import Batch
 
 if TYPE_CHECKING:
@@ -117,8 +117,8 @@ def dataset(
         return _with_table(_lazy(run, sources), extra, sources)
     folder = fspath(out)
     sources = _prepare(folder, sources, _plan.fingerprint(kinds, _name_of(task)), resume)
-    with running(None, progress) as (_, tell):
-        _complete(run, sources, folder, client or _current_client(), tell)
+    _, tell = call(None, progress)
+    _complete(run, sources, folder, client or _current_client(), tell)
     _drop_contained(folder)
     found = (
         dask.dataframe.read_parquet(
@@ -253,9 +253,7 @@ def _with_table(found: Any, extra: Any, sources: list[_plan.Source]) -> Any:
     return found.join(dask.dataframe.from_pandas(others, npartitions=1))
 
 
-def _prepare(
-    folder: str, sources: list[_plan.Source], fingerprint: str, resume: bool
-) -> list[_plan.Source]:
+def _prepare(folder: str, sources: list[_plan.Source], fingerprint: str, resume: bool) -> list[_plan.Source]:
     """Prepares the folder of this run, empty or with the parts of an earlier one.
 
     Returns the files in the order of the rows: those of the earlier run first.

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._base import Base
-from ._calls import running, warn
+from ._calls import call, warn
 
 
 def named(fields: Mapping[str, npt.NDArray[Any]]) -> _core.Named:
@@ -61,8 +60,6 @@ def from_object(
     source: Any,
 ) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
     """The mesh in an object of another package, and its fields of vertices and of faces."""
-    if isinstance(source, Base):
-        return source._core, source._fields, source._face_fields
     if hasattr(source, "vertices") and hasattr(source, "faces"):
         core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
         return core, _colors_of_trimesh(source, core.vertex_count), {}
@@ -111,8 +108,7 @@ def _from_meshio(
     if cells:
         warn(f"the fields of polygons are left out: {', '.join(cells)}")
     corners, sizes = _arrays.polygons(polygons)
-    with running(None, None) as call:
-        return _core.from_polygons(_arrays.vertices(points), corners, sizes, call), fields, {}
+    return _core.from_polygons(_arrays.vertices(points), corners, sizes, call()), fields, {}
 
 
 def _kept(fields: Mapping[str, Any], n: int, what: str) -> dict[str, npt.ArrayLike]:

@@ -84,7 +84,7 @@ def _value(parameter: Parameter, value: Any, n: int) -> Any:
     if kind == "count":
         return _arrays.whole(value, name)
     if kind == "vertices":
-        return _arrays.numbers(value, n, name, n)
+        return _arrays.numbers(value, n, name)
     if kind == "weighted":
         return [_weighted(name, *entry) for entry in value]
     if not isinstance(value, str):
