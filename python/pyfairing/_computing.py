@@ -1,4 +1,7 @@
-"""Laplacian, normals, curvature, spectrum, heat and Poisson problems: methods of `Mesh`."""
+"""Methods of `Mesh` that compute: Laplacian, normals, curvature, spectrum, heat, Poisson problems.
+
+Also the Laplacian of polygons, and the comparison of two meshes.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from ._checks import require_welded, warn_of_orientation
 from ._docs import documented
 from ._heat import HeatSolver
 from ._parameters import ESTIMATOR
-from ._results import Curvature, Laplacian
+from ._results import Curvature, Laplacian, Scores
 from ._spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -375,3 +378,42 @@ def polygon_laplacian(
     )
     mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
     return Laplacian(_arrays.csr(stiffness), mass_matrix, "polygon", "polygon was asked for")
+
+
+@documented
+def compare(
+    mesh: Mesh,
+    reference: Mesh,
+    *,
+    hausdorff_tolerance: float = 1e-4,
+    feature_angle: float = 30.0,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Scores:
+    """Scores a mesh against a reference.
+
+    Reports distances between the surfaces in both directions, exact in double precision;
+    angles between corresponding normals; changes of volume, area and edge length; flipped
+    faces, self-intersections, and sharp edges lost and gained.
+
+    Parameters
+    ----------
+    mesh, reference : Mesh
+        Scores that compare element by element need the same faces.
+    hausdorff_tolerance : float
+        Largest gap between the two bounds of the Hausdorff distance, in diagonals; at least
+        the rounding of the coordinates.
+    feature_angle : float
+        Smallest dihedral angle of a sharp edge, in degrees.
+    {run}
+
+    Returns
+    -------
+    Scores
+        A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
+        of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
+    """
+    diagonal, entries, table = _core.compare(
+        mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call(threads, progress)
+    )
+    return Scores(diagonal, entries, table)

@@ -122,7 +122,7 @@ class GeodesicSolver:
     def path(
         self, start: int, sources: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
     ) -> Floats:
-        """The shortest way from a vertex to the nearest source.
+        """The shortest path from a vertex to the nearest source.
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ def geodesic_path(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Floats:
-    """The shortest way from a vertex to the nearest source: down the gradient of the distance.
+    """The shortest path from a vertex to the nearest source: down the gradient of the distance.
 
     For several paths, create one `GeodesicSolver`.
 
@@ -252,7 +252,7 @@ def geodesic_path(
     -------
     ndarray, shape (p, 3)
         The points on edges and at vertices where the path bends, in mesh units, from the start
-        to the source. A `FairingWarning` tells if errors of the distance end it elsewhere.
+        to the source. A `FairingWarning` is issued if errors of the distance end it elsewhere.
 
     Raises
     ------

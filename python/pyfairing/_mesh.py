@@ -95,13 +95,15 @@ class Mesh:
         face_fields: Mapping[str, npt.ArrayLike],
         report: Mapping[str, Any],
     ) -> None:
-        n, m = core.vertex_count, core.face_count
-        made = {str(name): _fields.field(values, n, f"the field {name}") for name, values in fields.items()}
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "_fields", made)
-        object.__setattr__(self, "_face_fields", _fields.of_faces(face_fields, m))
-        object.__setattr__(self, "_report", MappingProxyType(dict(report)))
-        object.__setattr__(self, "_hash", None)
+        parts = {
+            "_core": core,
+            "_fields": _fields.checked(fields, core.vertex_count),
+            "_face_fields": _fields.checked(face_fields, core.face_count, "face"),
+            "_report": MappingProxyType(dict(report)),
+            "_hash": None,
+        }
+        for name, part in parts.items():
+            object.__setattr__(self, name, part)
 
     @classmethod
     def _of(
@@ -116,7 +118,7 @@ class Mesh:
         return mesh
 
     def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self:
-        """A mesh at other positions, without normals, which do not fit any more."""
+        """A mesh at other positions, with its fields except normals, which depend on them."""
         kept, of_faces = (
             {name: values for name, values in fields.items() if name != "normal"}
             for fields in (self._fields, self._face_fields)
@@ -172,8 +174,8 @@ class Mesh:
 
         None if all faces are triangles. A polygon of n corners has n - 2 faces, in the order of
         the polygons. Meshes that differ in positions or fields share them, and files get them
-        if the format holds polygons; what changes faces (`repair`, `subdivide`, a part) drops
-        them.
+        if the format holds polygons; operations that change faces (`repair`, `subdivide`,
+        `submesh`) drop them.
         """
         found = self._core.polygons()
         if found is None:
@@ -272,7 +274,7 @@ class Mesh:
         Returns
         -------
         Mesh
-            With the same fields except normals, which do not fit any more.
+            With the same fields except normals, which depend on the positions.
         """
         return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
 

@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from ._mesh import Mesh
     from ._names import Denoiser, DenoiserParameters, Method, MethodParameters, NoiseKind
 
-M = TypeVar("M", bound="Mesh")
+Self = TypeVar("Self", bound="Mesh")
 
 
 @METHOD.takes
 @documented
 def smooth(
-    self: M,
+    self: Self,
     method: Method = "taubin",
     *,
     where: npt.ArrayLike | None = None,
     threads: int | None = None,
     progress: Progress = None,
     **parameters: Unpack[MethodParameters],
-) -> M:
+) -> Self:
     """Smooths by a flow, by a filter or by fairing a region.
 
     Parameters
@@ -89,7 +89,7 @@ def smooth(
 
 @documented
 def noise(
-    self: M,
+    self: Self,
     sigma: float,
     unit: Literal["edge", "model", "diagonal"] = "edge",
     kind: NoiseKind = "normal",
@@ -100,7 +100,7 @@ def noise(
     seed: int = 1,
     where: npt.ArrayLike | None = None,
     threads: int | None = None,
-) -> M:
+) -> Self:
     """Adds seeded noise to the positions.
 
     Parameters
@@ -163,7 +163,7 @@ def noise(
 
 @documented
 def scan(
-    self: M,
+    self: Self,
     camera: npt.ArrayLike | None = None,
     look_at: npt.ArrayLike | None = None,
     *,
@@ -171,10 +171,10 @@ def scan(
     field_of_view: float | None = None,
     jump: float = 5.0,
     threads: int | None = None,
-) -> M:
+) -> Self:
     """The mesh as a depth camera sees it: the depth image as a mesh, without noise.
 
-    The truth of a sensor's mesh, which `noise` makes of it. +y is up, or +z for a camera that
+    The ground truth of a sensor's mesh, which `noise` simulates. +y is up, or +z for a camera that
     looks along y.
 
     Parameters
@@ -225,7 +225,7 @@ def scan(
 
 
 @documented
-def noise_level(self: M, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
+def noise_level(self: Mesh, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
     """Estimates the noise along the vertex normals.
 
     Parameters
@@ -244,7 +244,7 @@ def noise_level(self: M, *, threads: int | None = None, progress: Progress = Non
 @DENOISER.takes
 @documented
 def denoise(
-    self: M,
+    self: Self,
     method: Denoiser = "automatic",
     *,
     pin: npt.ArrayLike | None = None,
@@ -252,7 +252,7 @@ def denoise(
     threads: int | None = None,
     progress: Progress = None,
     **parameters: Unpack[DenoiserParameters],
-) -> M:
+) -> Self:
     """Removes noise and keeps creases.
 
     Parameters
@@ -280,9 +280,8 @@ def denoise(
         expected mean angle between the normals of faces and the true ones in degrees, to a
         factor of two in most cases; None if nothing was moved. `undecided` is the part of
         `sigma` that may be relief as well as noise: it is kept, and a `strength` of 2 removes
-        it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the number of vertices
-        that were farther away than noise explains and were put on the surface around them before
-        the noise was measured. Parts with faces as
+        it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the number of outliers,
+        which were moved back to the surface before the noise was measured. Parts with faces as
         uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
         that turn against the rest of their part are flipped for the computation, with a
         `FairingWarning`.
@@ -315,7 +314,7 @@ def denoise(
 
 
 @documented
-def subdivide(self: M, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> M:
+def subdivide(self: Self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> Self:
     """Cuts each face into four.
 
     Parameters

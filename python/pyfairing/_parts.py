@@ -16,7 +16,7 @@ from ._docs import documented
 if TYPE_CHECKING:
     from ._mesh import Mesh
 
-M = TypeVar("M", bound="Mesh")
+Self = TypeVar("Self", bound="Mesh")
 
 
 class Components(NamedTuple):
@@ -70,7 +70,7 @@ class Closest(NamedTuple):
 
 @documented
 def repair(
-    self: M,
+    self: Self,
     *,
     merge: bool = True,
     tolerance: float | None = None,
@@ -85,13 +85,13 @@ def repair(
     holes: int = 0,
     threads: int | None = None,
     progress: Progress = None,
-) -> M:
-    """Mends a mesh; by default without moving anything by more than rounding.
+) -> Self:
+    """Mends a mesh; by default no vertex moves by more than rounding.
 
-    Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
+    Merges vertices, drops redundant faces and unused vertices, flips faces that disagree,
     separates sheets that touch, and on request removes small components and thin faces and
-    fills holes. The order of what stays is kept. A second repair changes nothing, but for a
-    tolerance in mean edges, which is then longer: the mean edge grows as short edges go.
+    fills holes. The remaining elements keep their order. A second repair changes nothing, except
+    with a tolerance in mean edge lengths, which grow as short edges are removed.
 
     Parameters
     ----------
@@ -108,12 +108,12 @@ def repair(
         Of the tolerance: mean edge lengths of this mesh (from 0 to 1), mesh units, or diagonals
         of the bounding box (from 0 to 1).
     duplicates : bool
-        Drop faces with the corners of an earlier face, in any order. Both go if they are a fin
-        of a closed surface, which one of them would open; both stay if they are a wall between
-        two closed parts.
+        Drop faces with the corners of an earlier face, in any order. Both are dropped if they are
+        a fin of a closed surface, which one of them would open; both are kept if they are a wall
+        between two closed parts.
     orient : bool
         Flip faces so that neighbours agree, and closed parts that are inside out and in no
-        other one, with all that they hold.
+        other one, with their contents.
     cavities : bool
         Flip closed parts also within others, so that normals point outwards, or inwards where
         an odd number of others is around: a solid within a solid becomes a cavity.
@@ -137,12 +137,12 @@ def repair(
         With the fields of this mesh and its faces; in the patch of a hole those nearby. Normals
         are left out if the surface has changed. `Mesh.report` has
 
-        - `unchanged`: true if there was nothing to mend
+        - `unchanged`: true if nothing had to be mended
         - `changes`: the elements of this mesh that each step changed, ascending, by the names
           `merged-vertices`, `collapsed-faces`, `duplicate-faces`, `turned-faces`,
           `split-vertices`, `small-components` (faces), `thin-faces`, `isolated-vertices`,
           `filled-holes`, `moved-vertices`, whose position changed because they were merged;
-          and those it left: `open-holes`, `nested-parts` (each named by its lowest face), closed
+          and the defects left: `open-holes`, `nested-parts` (each named by its lowest face), closed
           parts within others that `cavities` would flip, and `touching-vertices`, at one position
           without a common edge. A hole is named by the lowest vertex of its boundary
         - `open_holes`: if holes were to be filled, for each one left its lowest vertex, its
@@ -198,7 +198,7 @@ def repair(
     return self._of(core, fields, report, faces)
 
 
-def weld(self: M) -> tuple[M, Indices]:
+def weld(self: Self) -> tuple[Self, Indices]:
     """Joins vertices at exactly equal positions.
 
     For files whose faces do not share corners, or that are open along seams of texture
@@ -228,7 +228,7 @@ def weld(self: M) -> tuple[M, Indices]:
     return self._of(core), index
 
 
-def components(self: M) -> Components:
+def components(self: Mesh) -> Components:
     """Labels of the parts that are connected by shared vertices.
 
     Returns
@@ -252,7 +252,7 @@ def components(self: M) -> Components:
     return Components(*_core.components(self._core, call()))
 
 
-def submesh(self: M, faces: npt.ArrayLike) -> tuple[M, Indices]:
+def submesh(self: Self, faces: npt.ArrayLike) -> tuple[Self, Indices]:
     """The mesh of some faces, and of their vertices.
 
     Parameters
@@ -290,7 +290,7 @@ def submesh(self: M, faces: npt.ArrayLike) -> tuple[M, Indices]:
 
 @documented
 def closest(
-    self: M,
+    self: Mesh,
     points: npt.ArrayLike,
     *,
     signed: bool = False,

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: A field as the extension takes it: values, and where they are undefined.
 _Values: TypeAlias = "tuple[Floats, Bools | None]"
 
-#: The height of a page in a notebook, in pixels.
+#: Height of a page in a notebook, in pixels.
 _HEIGHT = 520
 
 
@@ -51,7 +51,7 @@ class View:
         return f"View({len(self.html) / 1e6:.1f} MB of HTML)"
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, so that the cells of a notebook do not meet."""
+        """The page in a frame, isolated from the other cells of the notebook."""
         style = f"width:100%;height:{_HEIGHT}px;border:0"
         return f'<iframe title="meshes" style="{style}" srcdoc="{html.escape(self.html)}"></iframe>'
 
@@ -198,7 +198,7 @@ def show(
     for mesh, title, own in zip(meshes, titles, shown, strict=True):
         fields = {n: _field_to_show(mesh, n, None) for n, v in mesh._fields.items() if v.ndim == 1}
         if own is not None and name is not None:
-            # A field that is passed hides one of its name.
+            # The given field replaces a field of the same name.
             fields = {name: own, **{n: f for n, f in fields.items() if n != name}}
         flat = [(n, values, undefined) for n, (values, undefined) in fields.items()]
         given.append((mesh._core, str(title), flat))
@@ -240,7 +240,7 @@ def repr_html(self: Mesh) -> str:
         "wireframe": False,
         "shading": "creased",
         "transparent": True,
-        # Their light takes a second more.
+        # Shadows of larger meshes take a second.
         "shadows": self._core.vertex_count < 50_000,
     }
     colors = self._fields.get("colors")

@@ -65,7 +65,7 @@ class Curvature:
     direction1, direction2 : ndarray, shape (n, 3), or None
         Principal unit directions; None if the estimator provides none.
     mean_error, gaussian_error : ndarray, shape (n,), or None
-        Standard errors of H and K; None if the estimator knows none.
+        Standard errors of H and K; None if the estimator provides none.
     scale : ndarray, shape (n,), or None
         The radius that mostly decided H, in mesh units.
     defined : ndarray of bool, shape (n,)

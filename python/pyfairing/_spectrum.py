@@ -98,7 +98,7 @@ class Spectrum:
         return [range(start, end) for start, end in self._core.clusters()]
 
     def split(self, k: int | None = None) -> tuple[int, int | None] | None:
-        """The numbers of modes below and above k that split no cluster; None if k splits none."""
+        """The nearest numbers of modes below and above k that split no cluster; None if k splits none."""
         return self._core.split(len(self) if k is None else _arrays.whole(k, "k"))
 
     def truncated(self, k: int) -> Spectrum:
@@ -281,10 +281,10 @@ class Spectrum:
         Parameters
         ----------
         energies : int or array_like, shape (e,)
-            The energies, in ln λ; a number is that of `wave_kernel_energies`.
+            The energies, in ln λ; a number is the `count` of `wave_kernel_energies`.
         sigma : float, optional
-            The deviation of ln λ; needed unless `energies` is a number, where it is that of
-            `wave_kernel_energies` by default.
+            The deviation of ln λ; required unless `energies` is a number, whose default is the
+            deviation of `wave_kernel_energies`.
         {run}
 
         Returns
@@ -310,7 +310,7 @@ class Spectrum:
         return self._core.wave_kernel_signature(levels, float(sigma), call(threads, progress))
 
     def wave_kernel_energies(self, count: int = 100) -> tuple[Floats, float]:
-        """Energies evenly spaced in ln λ, (count,), and the deviation σ, seven steps between them."""
+        """Energies evenly spaced in ln λ, (count,), and the deviation σ: seven times their spacing."""
         return self._core.wave_kernel_energies(_arrays.whole(count, "count"))
 
     def global_point_signature(self) -> Floats:
