@@ -163,10 +163,11 @@ def curvature(
     -------
     Curvature
         `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `mean_error`,
-        `gaussian_error`, `scale`, `defined`, `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
-        are counter-clockwise seen from outside. Faces that turn against the rest of their
-        part are flipped for the computation, with a `FairingWarning`; on one-sided parts, such as
-        a Möbius band, values refer to the side on which H is not negative.
+        `gaussian_error`, `scale`, `defined`, `boundary`: arrays in the order of the vertices.
+        Positive on a sphere whose faces are counter-clockwise seen from outside. Faces that turn
+        against the rest of their part are flipped for the computation, with a `FairingWarning`;
+        on one-sided parts, such as a Möbius band, values refer to the side on which H is not
+        negative.
 
     Raises
     ------

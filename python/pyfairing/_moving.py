@@ -280,11 +280,11 @@ def denoise(
         expected mean angle between the normals of faces and the true ones in degrees, to a
         factor of two in most cases; None if nothing was moved. `undecided` is the part of
         `sigma` that may be relief as well as noise: it is kept, and a `strength` of 2 removes
-        it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the number of outliers,
-        which were moved back to the surface before the noise was measured. Parts with faces as
-        uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
-        that turn against the rest of their part are flipped for the computation, with a
-        `FairingWarning`.
+        it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the
+        number of outliers, which were moved back to the surface before the noise was measured.
+        Parts with faces as uneven as those of CAD tessellations are left unchanged, with a
+        `FairingWarning`. Faces that turn against the rest of their part are flipped for the
+        computation, with a `FairingWarning`.
 
     Raises
     ------
@@ -314,7 +314,9 @@ def denoise(
 
 
 @documented
-def subdivide(self: Self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> Self:
+def subdivide(
+    self: Self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None
+) -> Self:
     """Cuts each face into four.
 
     Parameters
