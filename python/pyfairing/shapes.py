@@ -86,7 +86,7 @@ def irregular_plane(spacing: float = 0.03, seed: int = 1) -> Mesh:
 
 
 def cube(squares: int = 16, diagonals: Diagonals = "regular") -> Mesh:
-    """A cube with `squares` × `squares` squares on each side."""
+    """A cube with a number of squares along each side."""
     return _make("cube", [], [squares], diagonals)
 
 

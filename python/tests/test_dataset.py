@@ -26,7 +26,7 @@ from pyfairing import _batch, _runs  # noqa: E402
 
 #: Meshes of the corpus of these tests.
 COUNT = int(os.environ.get("PYFAIRING_DATASET_MESHES", "2000"))
-#: Number of files for each broken one.
+#: One in this number of files is broken.
 BROKEN = 50
 
 
