@@ -47,7 +47,7 @@ def rust(program: str | None, task: str, path: str, *more: str) -> float | None:
 
 
 def peers(V: np.ndarray, F: np.ndarray, path: str) -> dict[str, dict[str, Callable[[], object]]]:
-    """What other packages do of the same."""
+    """The same computations by other packages."""
     found: dict[str, dict[str, Callable[[], object]]] = {}
 
     def add(row: str, name: str, call: Callable[[], object]) -> None:

@@ -16,8 +16,7 @@ from __future__ import annotations
 
 from . import shapes, surfaces, tasks
 from ._calls import FairingWarning
-from ._compare import compare
-from ._computing import polygon_laplacian
+from ._computing import compare, polygon_laplacian
 from ._core import (
     ComputationError,
     FairingError,

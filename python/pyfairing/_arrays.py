@@ -72,7 +72,7 @@ def polygons(values: Any) -> tuple[Indices, Indices]:
     return flat.astype(np.uint32), np.asarray(sizes, dtype=np.uint32)
 
 
-def numbers(values: npt.ArrayLike, n: int, what: str, count: int, *, of: str = "vertex") -> list[int]:
+def numbers(values: npt.ArrayLike, n: int, what: str, *, of: str = "vertex") -> list[int]:
     """Indices of vertices or faces from one index, several, or a mask over all."""
     array = np.asarray(values)
     if array.dtype.kind == "b":
@@ -85,9 +85,9 @@ def numbers(values: npt.ArrayLike, n: int, what: str, count: int, *, of: str = "
         raise OptionError(f"{what} has the shape {array.shape}, but must be flat")
     flat = [int(i) for i in array.reshape(-1)]
     for index in flat:
-        if not 0 <= index < count:
+        if not 0 <= index < n:
             plural = "vertices" if of == "vertex" else f"{of}s"
-            raise OptionError(f"{what} names {of} {index}, but there are {count} {plural}")
+            raise OptionError(f"{what} names {of} {index}, but there are {n} {plural}")
     return flat
 
 
@@ -102,14 +102,13 @@ def field(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -
     return np.ascontiguousarray(array)
 
 
-def columns(values: npt.ArrayLike, rows: int | None, name: str) -> tuple[Floats, bool]:
+def columns(values: npt.ArrayLike, name: str) -> tuple[Floats, bool]:
     """A matrix of finite numbers, and a flag that is true if it was a vector."""
     array = floats(values, name)
     flat = array.ndim == 1
     matrix = array[:, None] if flat else array
-    if matrix.ndim != 2 or (rows is not None and matrix.shape[0] != rows):
-        wanted = "n" if rows is None else str(rows)
-        raise OptionError(f"{name} has the shape {array.shape}, but must have ({wanted},) or ({wanted}, d)")
+    if matrix.ndim != 2:
+        raise OptionError(f"{name} has the shape {array.shape}, but must have (n,) or (n, d)")
     finite(matrix, name)
     return np.ascontiguousarray(matrix), flat
 

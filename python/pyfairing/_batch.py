@@ -1,81 +1,152 @@
-"""Work of a worker: computes and writes the rows of a batch of meshes."""
+"""The work of a Dask task: the rows of a batch of meshes, and the part of the table that holds them."""
 
 from __future__ import annotations
 
 import inspect
+import json
+import math
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from typing import Any
 
+import distributed
+import fsspec
 import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 from ._calls import FairingWarning, default_threads
-from ._mesh import read, read_bytes
-from ._plan import Batch, Source, filesystem
+from ._mesh import Mesh, read, read_bytes
+from .shapes import icosphere
 
-#: The share of a worker's memory that meshes may take together.
-_SHARE = 0.7
-#: Columns of every data set, with their types.
-OWN = {
-    "row": "int64",
-    "path": "string",
-    "vertices": "int64",
-    "faces": "int64",
-    "error": "string",
-    "warnings": "list",
+#: Arrow types by the names that `pyfairing.dataset` takes.
+TYPES = {
+    "int64": pa.int64(),
+    "float64": pa.float64(),
+    "bool": pa.bool_(),
+    "string": pa.string(),
+    "list": pa.list_(pa.float64()),
+    "matrix": pa.list_(pa.list_(pa.float64())),
 }
 
-#: The types of arrays, with their numbers of dimensions.
-DIMENSIONS = {"list": 1, "matrix": 2}
+#: Columns of every data set.
+OWN = {
+    "row": pa.int64(),
+    "path": pa.string(),
+    "vertices": pa.int64(),
+    "faces": pa.int64(),
+    "error": pa.string(),
+    "warnings": pa.list_(pa.string()),
+}
+
+#: Bytes for each vertex of tasks without the attribute `bytes_per_vertex`.
+PER_VERTEX = 2_000
+
+#: Held by a mesh that needs more than its thread's part of the memory.
+_LARGE = threading.Lock()
 
 
-class _Budget:
-    """Memory budget of the meshes in one process: a mesh that does not fit waits."""
+@dataclass(frozen=True)
+class Source:
+    """A file of the data set."""
 
-    def __init__(self) -> None:
-        self._change = threading.Condition()
-        self._used = 0
-
-    @contextmanager
-    def taking(self, need: int, limit: int | None) -> Iterator[None]:
-        share = need if limit is None else min(need, int(_SHARE * limit))
-        with self._change:
-            # A mesh that needs more than the share runs alone.
-            while limit is not None and self._used and self._used + share > _SHARE * limit:
-                self._change.wait()
-            self._used += share
-        try:
-            yield
-        finally:
-            with self._change:
-                self._used -= share
-                self._change.notify_all()
+    #: The row, and the place in the caller's list.
+    row: int
+    place: int
+    path: str
+    #: In bytes; None for a file that cannot be found.
+    size: int | None
 
 
-_BUDGET = _Budget()
+#: Files of consecutive rows, computed by one task.
+Batch = Sequence[Source]
 
 
-def memory_limit() -> int | None:
-    """The memory limit of the current dask worker, if any."""
-    try:
-        from distributed import get_worker
+@dataclass(frozen=True)
+class Work:
+    """A task with the types of its columns and the settings of its calls."""
 
-        worker = get_worker()
-    except (ImportError, ValueError):
-        return None
-    limit = getattr(getattr(worker, "memory_manager", None), "memory_limit", None)
-    return int(limit) if limit else None
+    task: Any
+    columns: dict[str, str]
+    bytes_per_vertex: int
+    threads: int
+
+    def schema(self) -> pa.Schema:
+        return pa.schema(OWN | {name: TYPES[kind] for name, kind in self.columns.items()})
+
+    def rows(self, batch: Batch) -> list[dict[str, Any]]:
+        """Computes the rows of a batch; a mesh that fails becomes a row with its error."""
+        with default_threads(self.threads):
+            return [self._row(source) for source in batch]
+
+    def frame(self, batch: Batch) -> pd.DataFrame:
+        """Computes a batch as a pandas table."""
+        return to_pandas(pa.Table.from_pylist(self.rows(batch), self.schema()))
+
+    def save(self, batch: Batch, folder: str) -> None:
+        """Computes a batch and writes its part."""
+        self.write(batch, self.rows(batch), folder)
+
+    def write(self, batch: Batch, rows: Sequence[Mapping[str, Any]], folder: str) -> None:
+        """Writes the part of a batch."""
+        fs, root = fsspec.core.url_to_fs(folder)
+        with complete(fs, part_name(root, batch[0].row, batch[-1].row + 1)) as file:
+            pq.write_table(pa.Table.from_pylist(rows, self.schema()), file)
+
+    def name(self) -> str:
+        """The task with its arguments, and the columns: runs that share a folder have the same."""
+        function = innermost(self.task)
+        name = getattr(function, "__qualname__", type(function).__name__)
+        arguments = [getattr(self.task, "args", ()), getattr(self.task, "keywords", {})]
+        parts = [getattr(function, "__module__", ""), name, arguments, self.columns]
+        return json.dumps(parts, sort_keys=True, default=str)
+
+    def _row(self, source: Source) -> dict[str, Any]:
+        row: dict[str, Any] = {"row": source.row, "path": source.path}
+        limit, fair = _memory()
+        with warnings.catch_warnings(record=True) as seen:
+            warnings.simplefilter("always", FairingWarning)
+            try:
+                mesh = load(source.path)
+                row |= {"vertices": mesh.n_vertices, "faces": mesh.n_faces}
+                need = mesh.n_vertices * self.bytes_per_vertex
+                if need > limit:
+                    raise MemoryError(
+                        f"{mesh.n_vertices} vertices need about {need / 1e9:.3g} GB,"
+                        f" but the worker has {limit / 1e9:.3g} GB"
+                    )
+                with _LARGE if need > fair else nullcontext():
+                    found = result(self.task, mesh, source.path)
+                unknown = sorted(set(found) - set(self.columns))
+                if unknown:
+                    raise ValueError(
+                        f"the task returned columns that other meshes do not have: {', '.join(unknown)}"
+                    )
+                row |= {name: _value(name, value, self.columns[name]) for name, value in found.items()}
+            except Exception as exception:
+                row["error"] = f"{type(exception).__name__}: {exception}"
+        row["warnings"] = [str(w.message) for w in seen if issubclass(w.category, FairingWarning)]
+        return row
 
 
-def load(source: Source) -> Any:
-    if "://" not in source.path:
-        return read(source.path)
-    fs, inner = filesystem(source.path)
+def load(path: str) -> Mesh:
+    if "://" not in path:
+        return read(path)
+    fs, inner = fsspec.core.url_to_fs(path)
     with fs.open(inner, "rb") as file:
         return read_bytes(file.read(), inner.rsplit("/", 1)[-1])
+
+
+def innermost(task: Any) -> Any:
+    """The function behind a `functools.partial`."""
+    while hasattr(task, "func"):
+        task = task.func
+    return task
 
 
 def takes_path(task: Any) -> bool:
@@ -87,160 +158,80 @@ def takes_path(task: Any) -> bool:
     return "path" in parameters and "path" not in getattr(task, "keywords", {})
 
 
-def call(task: Any, mesh: Any, path: str) -> dict[str, Any]:
-    """The result of a task on a mesh and, if it takes that, the address of its file."""
+def result(task: Any, mesh: Mesh, path: str) -> dict[str, Any]:
+    """The result of a task on a mesh and, if the task takes it, the address of its file."""
     return dict(task(mesh, path=path) if takes_path(task) else task(mesh))
 
 
-def _row(
-    source: Source, task: Any, columns: Mapping[str, str], need: int, limit: int | None
-) -> dict[str, Any]:
-    row: dict[str, Any] = {"row": source.row, "path": source.path, "vertices": None, "faces": None}
-    caught: list[str] = []
-    error = None
-    if limit is not None and need > limit:
-        error = (
-            f"MemoryError: about {source.vertices} vertices need about {need / 1e9:.3g} GB,"
-            f" but the worker has {limit / 1e9:.3g} GB"
-        )
-    else:
-        with _BUDGET.taking(need, limit), warnings.catch_warnings(record=True) as seen:
-            warnings.simplefilter("always", FairingWarning)
+def columns_of(task: Any, sources: Sequence[Source]) -> dict[str, str]:
+    """The types of the columns, from the task on a sphere of 162 vertices, or on the first readable file
+    if the task takes a path."""
+    samples = [source.path for source in sources] if takes_path(task) else [""]
+    failure: Exception | None = None
+    for path in samples:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", FairingWarning)
             try:
-                mesh = load(source)
-                row["vertices"], row["faces"] = mesh.n_vertices, mesh.n_faces
-                found = call(task, mesh, source.path)
-                strange = sorted(set(found) - set(columns))
-                if strange:
-                    raise ValueError(
-                        f"the task returned columns that it has not for others: {', '.join(strange)}"
-                    )
-                row |= {name: _plain(found[name], columns[name], name) for name in found}
-            except Exception as exception:
-                row = {name: row[name] for name in ("row", "path", "vertices", "faces")}
-                error = f"{type(exception).__name__}: {exception}"
-        caught = [str(w.message) for w in seen if issubclass(w.category, FairingWarning)]
-    return row | {"error": error, "warnings": caught}
+                row = result(task, load(path) if path else icosphere(2), path)
+            except Exception as error:
+                failure = error
+                continue
+        return {name: _kind_of(name, value) for name, value in row.items()}
+    where = "on every file" if takes_path(task) else "on a small sphere"
+    raise ValueError(f"the task fails {where} ({failure}): pass columns") from failure
 
 
-def _plain(value: Any, kind: str, name: str) -> Any:
-    """A value in a form that Parquet stores."""
+def _kind_of(name: str, value: Any) -> str:
+    """The name in `TYPES` of a value."""
+    array = np.asarray(value)
+    scalars = {"b": "bool", "i": "int64", "u": "int64", "f": "float64", "U": "string"}
+    if array.ndim == 0 and array.dtype.kind in scalars:
+        return scalars[array.dtype.kind]
+    if array.ndim in (1, 2) and array.dtype.kind in "biuf":
+        return "list" if array.ndim == 1 else "matrix"
+    raise ValueError(
+        f"the task returns {name} as {array.dtype} of {array.ndim} dimensions: columns hold numbers,"
+        " strings, and arrays of numbers with one or two dimensions; for missing values pass columns"
+    )
+
+
+def _value(name: str, value: Any, kind: str) -> Any:
+    """A value in a form that Arrow stores."""
     if value is None:
         return None
-    if kind in DIMENSIONS:
-        array = np.asarray(value, dtype=np.float64)
-        if array.ndim != DIMENSIONS[kind]:
-            raise TypeError(f"{name} has {array.ndim} dimensions, but {DIMENSIONS[kind]} for other meshes")
-        return list(array) if array.ndim == 2 else array
-    if isinstance(value, np.generic):
-        value = value.item()
-    wanted: dict[str, Any] = {"int64": int, "float64": (int, float), "bool": bool, "string": str}
-    if not isinstance(value, wanted[kind]) or (kind in ("int64", "float64") and isinstance(value, bool)):
-        raise TypeError(f"{name} is a {type(value).__name__}, but {kind} for other meshes")
-    return float(value) if kind == "float64" else value
+    found = _kind_of(name, value)
+    if found != kind and (found, kind) != ("int64", "float64"):
+        raise TypeError(f"{name} is of type {found}, but {kind} for other meshes")
+    if kind in ("list", "matrix"):
+        return list(np.asarray(value, dtype=np.float64))
+    return np.asarray(value).item()
 
 
-def rows(
-    batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int
-) -> list[dict[str, Any]]:
-    """The rows of a batch; a mesh that fails becomes a row with its error."""
-    limit = memory_limit()
-    done = []
-    with default_threads(threads):
-        for source in batch.sources:
-            need = source.vertices * per_vertex + 2 * (source.size or 0)
-            done.append(_row(source, task, columns, need, limit))
-    return done
+def _memory() -> tuple[float, float]:
+    """Memory of this Dask worker, and of each of its threads, in bytes; infinite if unknown."""
+    try:
+        worker = distributed.get_worker()
+    except ValueError:
+        return math.inf, math.inf
+    limit = worker.memory_manager.memory_limit or math.inf
+    return limit, limit / worker.state.nthreads
 
 
-def failed(batch: Batch, error: str) -> list[dict[str, Any]]:
-    """Rows of meshes that killed their workers."""
-    return [
-        {"row": s.row, "path": s.path, "vertices": None, "faces": None, "error": error, "warnings": []}
-        for s in batch.sources
-    ]
+def part_name(root: str, first: int, end: int) -> str:
+    """The file of the rows from `first` to before `end`."""
+    return f"{root}/part-{first:09d}-{end:09d}.parquet"
 
 
-def schema(columns: Mapping[str, str]) -> Any:
-    """The Arrow schema: the columns of every data set, then those of the task and of the table."""
-    import pyarrow as pa
-
-    kinds = {
-        "int64": pa.int64(),
-        "float64": pa.float64(),
-        "bool": pa.bool_(),
-        "string": pa.string(),
-        "list": pa.list_(pa.float64()),
-        "matrix": pa.list_(pa.list_(pa.float64())),
-    }
-    own = [pa.field(n, pa.list_(pa.string()) if n == "warnings" else kinds[k]) for n, k in OWN.items()]
-    return pa.schema(own + [pa.field(n, kinds[k]) for n, k in columns.items()])
-
-
-def table(done: list[dict[str, Any]], columns: Mapping[str, str]) -> Any:
-    """The rows as an Arrow table."""
-    import pyarrow as pa
-
-    fields = schema(columns)
-    return pa.table({f.name: pa.array([row.get(f.name) for row in done], f.type) for f in fields}, fields)
-
-
-def write(done: list[dict[str, Any]], columns: Mapping[str, str], folder: str, part: str) -> str:
-    """Writes the rows of a batch, whole or not at all."""
-    import pyarrow.parquet as pq
-
-    fs, inner = filesystem(folder)
-    target = f"{inner.rstrip('/')}/{part}"
-    unfinished = f"{inner.rstrip('/')}/_{part}.{threading.get_ident()}-{time.time_ns()}"
+@contextmanager
+def complete(fs: Any, path: str) -> Iterator[Any]:
+    """Opens a file that gets its name once it is complete."""
+    folder, name = path.rsplit("/", 1)
+    unfinished = f"{folder}/_{name}.{threading.get_ident()}-{time.time_ns()}"
     with fs.open(unfinished, "wb") as file:
-        pq.write_table(table(done, columns), file)
-    fs.mv(unfinished, target)
-    return part
+        yield file
+    fs.mv(unfinished, path)
 
 
-def write_note(fs: Any, note: str, fingerprint: str, sources: list[Source]) -> None:
-    """Writes the files of a run and its fingerprint, whole or not at all."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    files = pa.table(
-        {
-            "path": pa.array([s.path for s in sources], pa.string()),
-            "size": pa.array([s.size for s in sources], pa.int64()),
-        }
-    ).replace_schema_metadata({"fingerprint": fingerprint})
-    unfinished = f"{note}.{time.time_ns()}"
-    with fs.open(unfinished, "wb") as file:
-        pq.write_table(files, file)
-    fs.mv(unfinished, note)
-
-
-def read_note(fs: Any, note: str) -> tuple[str, list[tuple[str, int | None]]]:
-    """The fingerprint of a run, and its files with their sizes, in the order of the rows."""
-    import pyarrow.parquet as pq
-
-    with fs.open(note, "rb") as file:
-        files = pq.read_table(file)
-    fingerprint = (files.schema.metadata or {}).get(b"fingerprint", b"").decode()
-    return fingerprint, list(zip(files["path"].to_pylist(), files["size"].to_pylist(), strict=True))
-
-
-def run(
-    batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int, folder: str
-) -> str:
-    """Computes and writes a batch; returns the name of its part."""
-    return write(rows(batch, task, columns, per_vertex, threads), columns, folder, batch.part)
-
-
-def frame(batch: Batch, task: Any, kinds: tuple[tuple[str, str], ...], per_vertex: int, threads: int) -> Any:
-    """Computes a batch and returns its rows as a pandas table, for collections that are not written."""
-    columns = dict(kinds)
-    return to_pandas(table(rows(batch, task, columns, per_vertex, threads), columns))
-
-
-def to_pandas(arrow: Any) -> Any:
+def to_pandas(arrow: Any) -> pd.DataFrame:
     """A pandas table with missing values distinct from NaN."""
-    import pandas as pd
-
-    found = arrow.to_pandas(types_mapper=pd.ArrowDtype)
-    return found.set_index("row")
+    return arrow.to_pandas(types_mapper=pd.ArrowDtype).set_index("row")

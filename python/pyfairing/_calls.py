@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, SupportsIndex, TypeAlias
 
-#: Called with the stage, how much of it is done, and how much there is (None where nobody knows).
+#: Called as `progress(stage, done, total)`; `total` is None if unknown.
 ProgressCallback: TypeAlias = Callable[[str, int, "int | None"], object]
 
 #: No progress, a bar of tqdm, or a callback.
@@ -48,7 +48,7 @@ def default_threads(count: int | None) -> Iterator[None]:
 
 
 class _Bar:
-    """A tqdm bar for each stage."""
+    """A tqdm bar for each stage; the last closes when the call drops it."""
 
     def __init__(self) -> None:
         try:
@@ -61,33 +61,23 @@ class _Bar:
 
     def __call__(self, stage: str, done: int, total: int | None) -> None:
         if stage != self._stage:
-            self.close()
+            if self._bar is not None:
+                self._bar.close()
             self._bar = self._make(total=total, desc=stage, leave=False)
             self._stage = stage
         self._bar.n = done
         self._bar.refresh()
 
-    def close(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
-            self._bar = None
 
-
-@contextmanager
-def running(threads: SupportsIndex | None, progress: Progress) -> Iterator[Call]:
-    """The pair `(threads, progress)` for the extension."""
+def call(threads: SupportsIndex | None = None, progress: Progress = None) -> Call:
+    """The last argument of functions of the extension."""
     count = _DEFAULT.get() if threads is None else operator.index(threads)
     if count is not None and count < 1:
         raise ValueError(f"threads is {count}, but must be 1 or more")
     if progress is None or progress is False:
-        yield count, None
-    elif progress is True:
-        bar = _Bar()
-        try:
-            yield count, bar
-        finally:
-            bar.close()
-    elif callable(progress):
-        yield count, progress
-    else:
-        raise TypeError(f"progress must be a callable, True or None, not {type(progress).__name__}")
+        return count, None
+    if progress is True:
+        return count, _Bar()
+    if callable(progress):
+        return count, progress
+    raise TypeError(f"progress must be a callable, True or None, not {type(progress).__name__}")

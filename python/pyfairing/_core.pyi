@@ -1,4 +1,4 @@
-"""The extension: see `src/`. Its functions take checked arguments; the package is what to use."""
+"""The extension, built from `src/`: its functions take checked arguments."""
 
 from typing import Any
 
@@ -63,7 +63,7 @@ class Mesh:
     def write(
         self,
         path: str,
-        fields: FileFields,
+        given: FileFields,
         ascii: bool,
         width: str,
         call: Call,
@@ -71,7 +71,7 @@ class Mesh:
     def to_bytes(
         self,
         format: str,
-        fields: FileFields,
+        given: FileFields,
         ascii: bool,
         width: str,
         call: Call,
@@ -143,42 +143,36 @@ FileParts = tuple[Mesh, Named, Named, Floats | None, dict[str, Any]]
 
 def tables() -> dict[str, Any]: ...
 def read(path: str, strict: bool, drop_broken: bool, call: Call) -> FileParts: ...
-def read_bytes(
-    name: str, bytes: bytes, strict: bool, drop_broken: bool, call: Call
-) -> FileParts: ...
+def read_bytes(name: str, bytes: bytes, strict: bool, drop_broken: bool, call: Call) -> FileParts: ...
 def from_polygons(vertices: Floats, corners: Indices, sizes: Indices, call: Call) -> Mesh: ...
 def repair(
     mesh: Mesh, steps: dict[str, Any], call: Call
 ) -> tuple[Mesh, dict[str, Any], tuple[Indices, Indices], bool]: ...
 def components(mesh: Mesh, call: Call) -> tuple[Labels, Labels]: ...
-def closest(
-    mesh: Mesh, points: Floats, signed: bool, call: Call
-) -> tuple[Floats, Floats, Indices]: ...
-def isolines(mesh: Mesh, field: Floats, levels: list[float], call: Call) -> list[list[tuple[Floats, Indices, bool]]]: ...
-def laplacian(mesh: Mesh, kind: str, mass: str, call: Call) -> tuple[Csr, Mass, str, str, str | None]: ...
+def closest(mesh: Mesh, points: Floats, signed: bool, call: Call) -> tuple[Floats, Floats, Indices]: ...
+def isolines(
+    mesh: Mesh, field: Floats, levels: list[float], call: Call
+) -> list[list[tuple[Floats, Indices, bool]]]: ...
+def laplacian(
+    mesh: Mesh, kind: str, mass_kind: str, call: Call
+) -> tuple[Csr, Mass, str, str, str | None]: ...
 def polygon_laplacian(
-    vertices: Floats, corners: Indices, sizes: Indices, mass: str, call: Call
+    vertices: Floats, corners: Indices, sizes: Indices, mass_kind: str, call: Call
 ) -> tuple[Csr, Mass]: ...
 def gradient(mesh: Mesh, call: Call) -> Csr: ...
 def divergence(mesh: Mesh, call: Call) -> Csr: ...
-def curvature(
-    mesh: Mesh, estimator: str, given: Given, kind: str | None, call: Call
-) -> dict[str, Any]: ...
+def curvature(mesh: Mesh, estimator: str, given: Given, kind: str | None, call: Call) -> dict[str, Any]: ...
 def noise_level(
     mesh: Mesh, call: Call
 ) -> tuple[float, float, bool, int, float, float, float, float, float] | None: ...
 def spectrum(
-    mesh: Mesh, k: int, kind: str, mass: str, boundary: str, fixed: list[int], call: Call
+    mesh: Mesh, k: int, kind: str, mass_kind: str, boundary: str, fixed: list[int], call: Call
 ) -> tuple[Spectrum, str, str | None]: ...
 def poisson(
     mesh: Mesh, f: Floats, fixed: list[int], at_fixed: Floats, kind: str, mass: str, call: Call
 ) -> tuple[Floats, str | None]: ...
-def smooth(
-    mesh: Mesh, method: str, given: Given, call: Call
-) -> tuple[Mesh, dict[str, Any]]: ...
-def denoise(
-    mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call
-) -> tuple[
+def smooth(mesh: Mesh, method: str, given: Given, call: Call) -> tuple[Mesh, dict[str, Any]]: ...
+def denoise(mesh: Mesh, method: str, given: Given, pinned: list[int], call: Call) -> tuple[
     Mesh,
     tuple[list[float] | None, str, str | None, float | None, float, tuple[int, int, int]] | None,
 ]: ...

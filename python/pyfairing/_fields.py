@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._base import Base
-from ._calls import running, warn
+from ._calls import call, warn
+
+Element = Literal["vertex", "face"]
+_NAMES = {"vertex": "field", "face": "face field"}
 
 
 def named(fields: Mapping[str, npt.NDArray[Any]]) -> _core.Named:
@@ -20,49 +22,44 @@ def named(fields: Mapping[str, npt.NDArray[Any]]) -> _core.Named:
     return scalars, vectors, fields.get("colors")
 
 
-def _texture(values: npt.ArrayLike, m: int) -> npt.NDArray[Any]:
-    """Read-only texture coordinates."""
-    array = _arrays.floats(values, "texture")
-    if array.shape != (m, 3, 2):
-        raise _core.OptionError(f"texture has the shape {array.shape}, but must have ({m}, 3, 2)")
-    if not array.flags.writeable and array.flags.c_contiguous:
-        return array
-    _arrays.finite(array, "texture")
-    return _arrays.frozen(np.array(array, order="C"))
+def checked(
+    fields: Mapping[str, npt.ArrayLike], n: int, of: Element = "vertex"
+) -> dict[str, npt.NDArray[Any]]:
+    """Read-only fields of n vertices or faces."""
+    return {str(name): _checked(str(name), values, n, of) for name, values in fields.items()}
 
 
-def of_faces(fields: Mapping[str, npt.ArrayLike], m: int) -> dict[str, npt.NDArray[Any]]:
-    """Read-only fields of faces."""
-    return {
-        str(name): _texture(values, m) if name == "texture" else field(values, m, f"the face field {name}")
-        for name, values in fields.items()
-    }
-
-
-def field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
-    """A read-only field."""
-    if name.endswith(" field colors"):
-        colors = np.asarray(values)
-        if colors.dtype != np.uint8 or colors.shape != (n, 3):
+def _checked(name: str, values: npt.ArrayLike, n: int, of: Element) -> npt.NDArray[Any]:
+    what, shapes = f"the {_NAMES[of]} {name}", _shapes(name, n, of)
+    array: npt.NDArray[Any]
+    if name == "colors":
+        array = np.asarray(values)
+        if array.dtype != np.uint8 or array.shape not in shapes:
             raise _core.OptionError(
-                f"colors are {colors.dtype} of shape {colors.shape}, but must be uint8 of ({n}, 3)"
+                f"colors are {array.dtype} of shape {array.shape}, but must be uint8 of ({n}, 3)"
             )
-        return _arrays.frozen(np.array(colors)) if colors.flags.writeable else colors
-    array = _arrays.floats(values, name)
-    if array.shape not in ((n,), (n, 3)):
-        raise _core.OptionError(f"{name} has the shape {array.shape}, but must have ({n},) or ({n}, 3)")
+    else:
+        array = _arrays.floats(values, what)
+        if array.shape not in shapes:
+            wanted = " or ".join(map(str, shapes))
+            raise _core.OptionError(f"{what} has the shape {array.shape}, but must have {wanted}")
     if not array.flags.writeable and array.flags.c_contiguous:
         return array
-    _arrays.finite(array, name)
+    _arrays.finite(array, what)
     return _arrays.frozen(np.array(array, order="C"))
+
+
+def _shapes(name: str, n: int, of: Element) -> list[tuple[int, ...]]:
+    """The shapes that a field may have."""
+    if name == "colors":
+        return [(n, 3)]
+    return [(n, 3, 2)] if name == "texture" and of == "face" else [(n,), (n, 3)]
 
 
 def from_object(
     source: Any,
 ) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
     """The mesh in an object of another package, and its fields of vertices and of faces."""
-    if isinstance(source, Base):
-        return source._core, source._fields, source._face_fields
     if hasattr(source, "vertices") and hasattr(source, "faces"):
         core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
         return core, _colors_of_trimesh(source, core.vertex_count), {}
@@ -98,7 +95,7 @@ def _from_meshio(
     points = np.asarray(source.points)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
-    fields = _kept(getattr(source, "point_data", None) or {}, len(points), "field")
+    fields = _kept(getattr(source, "point_data", None) or {}, len(points), "vertex")
     cells = {
         name: np.concatenate([np.asarray(blocks[i]) for i in used])
         for name, blocks in (getattr(source, "cell_data", None) or {}).items()
@@ -107,25 +104,23 @@ def _from_meshio(
     if all(len(p) == 3 for p in polygons):
         triangles = np.asarray(polygons) if polygons else np.zeros((0, 3), np.uint32)
         core = _core.Mesh(_arrays.vertices(points), _arrays.faces(triangles))
-        return core, fields, _kept(cells, len(triangles), "face field")
+        return core, fields, _kept(cells, len(triangles), "face")
     if cells:
         warn(f"the fields of polygons are left out: {', '.join(cells)}")
     corners, sizes = _arrays.polygons(polygons)
-    with running(None, None) as call:
-        return _core.from_polygons(_arrays.vertices(points), corners, sizes, call), fields, {}
+    return _core.from_polygons(_arrays.vertices(points), corners, sizes, call()), fields, {}
 
 
-def _kept(fields: Mapping[str, Any], n: int, what: str) -> dict[str, npt.ArrayLike]:
+def _kept(fields: Mapping[str, Any], n: int, of: Element) -> dict[str, npt.ArrayLike]:
     """The fields that a mesh can hold; a warning names the others."""
     kept: dict[str, npt.ArrayLike] = {}
     for name, values in fields.items():
         array = np.asarray(values)
-        shapes = [(n, 3, 2)] if name == "texture" and what == "face field" else [(n,), (n, 3)]
-        if array.dtype.kind in "fiu" and array.shape in shapes and np.isfinite(array).all():
-            if name != "colors" or array.dtype == np.uint8:
-                kept[name] = array
-                continue
-        warn(f"the {what} {name} is left out: {array.dtype} of shape {array.shape}")
+        numbers = array.dtype == np.uint8 if name == "colors" else array.dtype.kind in "fiu"
+        if numbers and array.shape in _shapes(name, n, of) and np.isfinite(array).all():
+            kept[name] = array
+        else:
+            warn(f"the {_NAMES[of]} {name} is left out: {array.dtype} of shape {array.shape}")
     return kept
 
 

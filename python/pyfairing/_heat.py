@@ -8,11 +8,11 @@ import numpy.typing as npt
 
 from . import _arrays, _core
 from ._arrays import Floats
-from ._calls import Progress, running, warn
+from ._calls import Progress, call, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
-    from ._base import Base
+    from ._mesh import Mesh
     from ._names import Kind, MassKind
 
 
@@ -39,7 +39,7 @@ class HeatSolver:
 
     def __init__(
         self,
-        mesh: Base,
+        mesh: Mesh,
         time: float,
         kind: Kind = "auto",
         mass: MassKind = "barycentric",
@@ -49,8 +49,7 @@ class HeatSolver:
     ) -> None:
         self._arguments = mesh, float(time), kind, mass
         self._n = mesh._core.vertex_count
-        with running(threads, progress) as call:
-            self._core = _core.Heat(mesh._core, float(time), kind, mass, call)
+        self._core = _core.Heat(mesh._core, float(time), kind, mass, call(threads, progress))
         if self._core.note:
             warn(self._core.note)
 
@@ -78,8 +77,7 @@ class HeatSolver:
         ndarray, shape (n,)
         """
         field = _arrays.field(temperatures, self._n, "temperatures")
-        with running(threads, progress) as call:
-            return self._core.step(field, _arrays.whole(steps, "steps"), call)
+        return self._core.step(field, _arrays.whole(steps, "steps"), call(threads, progress))
 
     def __repr__(self) -> str:
         _, time, kind, mass = self._arguments

@@ -10,15 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _core, _fields
+from . import _arrays, _computing, _core, _fields, _geodesic, _moving, _parts, _pictures
 from ._arrays import Bools, Floats, Indices
-from ._calls import Progress, running, warn
-from ._computing import Computing
+from ._calls import Progress, call, warn
+from ._checks import warn_of_orientation
 from ._docs import documented
-from ._geodesic import Geodesics
-from ._moving import Moving
-from ._parts import Parts
-from ._pictures import Pictures
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -30,7 +26,7 @@ if TYPE_CHECKING:
 Fields = Mapping[str, npt.NDArray[Any]]
 
 
-class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
+class Mesh:
     """An immutable triangle mesh.
 
     Parameters
@@ -84,7 +80,9 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     ) -> None:
         own: Mapping[str, npt.ArrayLike] = {}
         own_of_faces: Mapping[str, npt.ArrayLike] = {}
-        if faces is None:
+        if faces is None and isinstance(vertices, Mesh):
+            core, own, own_of_faces = vertices._core, vertices._fields, vertices._face_fields
+        elif faces is None:
             core, own, own_of_faces = _fields.from_object(vertices)
         else:
             core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
@@ -97,13 +95,15 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         face_fields: Mapping[str, npt.ArrayLike],
         report: Mapping[str, Any],
     ) -> None:
-        n, m = core.vertex_count, core.face_count
-        made = {str(name): _fields.field(values, n, f"the field {name}") for name, values in fields.items()}
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "_fields", made)
-        object.__setattr__(self, "_face_fields", _fields.of_faces(face_fields, m))
-        object.__setattr__(self, "_report", MappingProxyType(dict(report)))
-        object.__setattr__(self, "_hash", None)
+        parts = {
+            "_core": core,
+            "_fields": _fields.checked(fields, core.vertex_count),
+            "_face_fields": _fields.checked(face_fields, core.face_count, "face"),
+            "_report": MappingProxyType(dict(report)),
+            "_hash": None,
+        }
+        for name, part in parts.items():
+            object.__setattr__(self, name, part)
 
     @classmethod
     def _of(
@@ -118,7 +118,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         return mesh
 
     def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self:
-        """A mesh at other positions, without normals, which do not fit any more."""
+        """A mesh at other positions, with its fields except normals, which depend on them."""
         kept, of_faces = (
             {name: values for name, values in fields.items() if name != "normal"}
             for fields in (self._fields, self._face_fields)
@@ -155,8 +155,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
             Its triangles in the order of the polygons, which it keeps (`polygons`).
         """
         corners, sizes = _arrays.polygons(polygons)
-        with running(None, None) as call:
-            core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call)
+        core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call())
         return cls._of(core, fields)
 
     @property
@@ -175,8 +174,8 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
 
         None if all faces are triangles. A polygon of n corners has n - 2 faces, in the order of
         the polygons. Meshes that differ in positions or fields share them, and files get them
-        if the format holds polygons; what changes faces (`repair`, `subdivide`, a part) drops
-        them.
+        if the format holds polygons; operations that change faces (`repair`, `subdivide`,
+        `submesh`) drop them.
         """
         found = self._core.polygons()
         if found is None:
@@ -231,14 +230,12 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     @property
     def edges(self) -> Indices:
         """Each edge once, (e, 2) uint32, the lower number first."""
-        with running(None, None) as call:
-            return self._core.edges(call)
+        return self._core.edges(call())
 
     @property
     def boundary_vertices(self) -> Bools:
         """A mask of the boundary vertices, (n,) bool."""
-        with running(None, None) as call:
-            return self._core.boundary_vertices(call)
+        return self._core.boundary_vertices(call())
 
     @property
     def area(self) -> float:
@@ -254,8 +251,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
     @property
     def face_areas(self) -> Floats:
         """The area of each face, (m,) float64, in squared mesh units."""
-        with running(None, None) as call:
-            return self._core.face_areas(call)
+        return self._core.face_areas(call())
 
     @property
     def face_normals(self) -> Floats:
@@ -264,9 +260,8 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Faces that turn against the rest of their part are flipped for the computation, with a
         `FairingWarning`.
         """
-        self._warn_of_orientation()
-        with running(None, None) as call:
-            return self._core.face_normals(call)
+        warn_of_orientation(self._core)
+        return self._core.face_normals(call())
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Self:
         """The same faces at other positions; data that depends on faces alone is shared.
@@ -279,7 +274,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         Returns
         -------
         Mesh
-            With the same fields except normals, which do not fit any more.
+            With the same fields except normals, which depend on the positions.
         """
         return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
 
@@ -352,8 +347,9 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         OptionError
             If the format cannot hold the mesh, or the file extension is unknown.
         """
-        with running(threads, progress) as call:
-            dropped, notes = self._core.write(fspath(path), self._file_fields(), ascii, width, call)
+        dropped, notes = self._core.write(
+            fspath(path), self._file_fields(), ascii, width, call(threads, progress)
+        )
         if dropped:
             warn(f"{fspath(path)}: the format cannot hold {', '.join(dropped)}")
         for note in notes:
@@ -375,8 +371,7 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         -------
         bytes
         """
-        with running(None, None) as call:
-            return self._core.to_bytes(format, self._file_fields(), ascii, width, call)
+        return self._core.to_bytes(format, self._file_fields(), ascii, width, call())
 
     def _file_fields(self) -> FileFields:
         texture = self._face_fields.get("texture")
@@ -398,6 +393,39 @@ class Mesh(Computing, Geodesics, Moving, Parts, Pictures):
         return meshio.Mesh(
             self.vertices.copy(), [("triangle", self.faces.astype(np.int64))], data, cell_data=of_faces
         )
+
+    # Methods by topic: each is documented where it is defined.
+
+    laplacian = _computing.laplacian
+    gradient = _computing.gradient
+    divergence = _computing.divergence
+    vertex_normals = _computing.vertex_normals
+    curvature = _computing.curvature
+    spectrum = _computing.spectrum
+    heat = _computing.heat
+    poisson = _computing.poisson
+    info = _computing.info
+
+    geodesic_distance = _geodesic.geodesic_distance
+    geodesic_path = _geodesic.geodesic_path
+    isolines = _geodesic.isolines
+
+    smooth = _moving.smooth
+    noise = _moving.noise
+    scan = _moving.scan
+    noise_level = _moving.noise_level
+    denoise = _moving.denoise
+    subdivide = _moving.subdivide
+
+    repair = _parts.repair
+    weld = _parts.weld
+    components = _parts.components
+    submesh = _parts.submesh
+    closest = _parts.closest
+
+    render = _pictures.render
+    show = _pictures.show
+    _repr_html_ = _pictures.repr_html
 
     def __repr__(self) -> str:
         n, m = self.n_vertices, self.n_faces
@@ -495,8 +523,7 @@ def read(
         For an invalid file; the message names the line or byte and the value.
     """
     name = fspath(path)
-    with running(threads, progress) as call:
-        parts = _core.read(name, bool(strict), bool(drop_broken), call)
+    parts = _core.read(name, bool(strict), bool(drop_broken), call(threads, progress))
     return _with_warnings(parts, name)
 
 
@@ -522,10 +549,7 @@ def read_bytes(
     -------
     Mesh
     """
-    with running(None, None) as call:
-        parts = _core.read_bytes(
-            fspath(name), bytes(data), bool(strict), bool(drop_broken), call
-        )
+    parts = _core.read_bytes(fspath(name), bytes(data), bool(strict), bool(drop_broken), call())
     return _with_warnings(parts, fspath(name))
 
 

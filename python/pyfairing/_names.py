@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias, TypedDict
 
 import numpy.typing as npt
 
-#: A vertex, a weight, and where it is drawn to (where it is, without).
+#: A vertex, its weight, and its target position, by default its own.
 Soft: TypeAlias = "Iterable[tuple[int, float] | tuple[int, float, npt.ArrayLike]]"
 
 Estimator = Literal[
@@ -50,32 +50,11 @@ Denoiser = Literal[
     "total-generalised-variation",
 ]
 
-Kind = Literal[
-    "auto",
-    "non-negative",
-    "uniform",
-    "cotangent",
-    "robust",
-    "polygon",
-]
+Kind = Literal["auto", "non-negative", "uniform", "cotangent", "robust", "polygon"]
 
-MassKind = Literal[
-    "barycentric",
-    "mixed",
-    "voronoi",
-    "consistent",
-    "degree",
-    "unit",
-]
+MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
 
-ColorMap = Literal[
-    "viridis",
-    "cividis",
-    "magma",
-    "turbo",
-    "coolwarm",
-    "hue",
-]
+ColorMap = Literal["viridis", "cividis", "magma", "turbo", "coolwarm", "hue"]
 
 NoiseKind = Literal[
     "normal",

@@ -45,7 +45,7 @@ class Family:
         known = self.algorithms.get(algorithm)
         given = {option: value for option, value in options.items() if value is not None}
         if known is None:
-            # The crate says which there are.
+            # The extension refuses the name and lists the known ones.
             return []
         for option in given:
             if option not in known:
@@ -63,7 +63,7 @@ class Family:
         return "\n".join(_entry(name, of) for name, of in self.parameters.items())
 
     def takes(self, function: F) -> F:
-        """Puts the parameters into the signature of a function, in the place of its keywords."""
+        """Replaces the keywords in the signature of a function by the parameters."""
         signature = inspect.signature(function)
         keywords = [
             inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_type(of))
@@ -84,7 +84,7 @@ def _value(parameter: Parameter, value: Any, n: int) -> Any:
     if kind == "count":
         return _arrays.whole(value, name)
     if kind == "vertices":
-        return _arrays.numbers(value, n, name, n)
+        return _arrays.numbers(value, n, name)
     if kind == "weighted":
         return [_weighted(name, *entry) for entry in value]
     if not isinstance(value, str):
@@ -98,7 +98,7 @@ def _weighted(name: str, vertex: int, weight: float, target: Any = None) -> Any:
 
 
 def _type(of: Mapping[str, Parameter]) -> str:
-    """The type in words; choices of all algorithms together."""
+    """The type for a docstring, with the choices of all algorithms."""
     names = [name for parameter in of.values() for name, _ in parameter["choices"]]
     if names:
         return "{" + ", ".join(f"'{name}'" for name in dict.fromkeys(names)) + "}"

@@ -65,7 +65,7 @@ class Curvature:
     direction1, direction2 : ndarray, shape (n, 3), or None
         Principal unit directions; None if the estimator provides none.
     mean_error, gaussian_error : ndarray, shape (n,), or None
-        Standard errors of H and K; None if the estimator knows none.
+        Standard errors of H and K; None if the estimator provides none.
     scale : ndarray, shape (n,), or None
         The radius that mostly decided H, in mesh units.
     defined : ndarray of bool, shape (n,)
@@ -101,7 +101,10 @@ class Curvature:
 
     @property
     def shape_index(self) -> Floats:
-        """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup; 0 if flat or not defined."""
+        """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup.
+
+        0 if flat or not defined.
+        """
         k1, k2 = self.kappa1, self.kappa2
         index: Floats = np.arctan2(k1 + k2, k1 - k2) * (2 / np.pi)
         index[(k1 == 0) & (k2 == 0)] = 0.0

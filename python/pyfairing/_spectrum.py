@@ -11,31 +11,13 @@ import numpy.typing as npt
 
 from . import _arrays, _core
 from ._arrays import Csr, Floats
-from ._calls import Progress, running, warn
+from ._calls import Progress, call, warn
+from ._checks import warn_of_split
 from ._docs import documented
 
 if TYPE_CHECKING:
     from ._core import Spectrum as CoreSpectrum
     from ._mesh import Mesh
-
-Split = "tuple[int, int | None] | None"
-
-
-def warn_of_split(split: tuple[int, int | None] | None, k: int, name: str) -> None:
-    """Warns if the first k modes split a cluster of eigenvalues."""
-    if split is None:
-        return
-    below, above = split
-    good = [f"{name}={n}" for n in (below, above) if n]
-    better = (
-        f"{' and '.join(good)} do not"
-        if len(good) == 2
-        else f"{good[0]} does not" if good else "more may not"
-    )
-    warn(
-        f"{k} modes split a cluster of equal or nearly equal eigenvalues, whose modes are an"
-        f" arbitrary basis; {better}"
-    )
 
 
 class Spectrum:
@@ -116,7 +98,7 @@ class Spectrum:
         return [range(start, end) for start, end in self._core.clusters()]
 
     def split(self, k: int | None = None) -> tuple[int, int | None] | None:
-        """The numbers of modes below and above k that split no cluster; None if k splits none."""
+        """The nearest numbers of modes below and above k that split no cluster; None if k splits none."""
         return self._core.split(len(self) if k is None else _arrays.whole(k, "k"))
 
     def truncated(self, k: int) -> Spectrum:
@@ -139,9 +121,8 @@ class Spectrum:
         -------
         ndarray, shape (k,) or (k, d)
         """
-        matrix, flat = _arrays.columns(field, None, "field")
-        with running(threads, progress) as call:
-            found = self._core.project(matrix, call)
+        matrix, flat = _arrays.columns(field, "field")
+        found = self._core.project(matrix, call(threads, progress))
         return found[:, 0] if flat else found
 
     @documented
@@ -160,9 +141,8 @@ class Spectrum:
         -------
         ndarray, shape (n,) or (n, d)
         """
-        matrix, flat = _arrays.columns(coefficients, None, "coefficients")
-        with running(threads, progress) as call:
-            found = self._core.expand(matrix, call)
+        matrix, flat = _arrays.columns(coefficients, "coefficients")
+        found = self._core.expand(matrix, call(threads, progress))
         return found[:, 0] if flat else found
 
     @documented
@@ -193,8 +173,7 @@ class Spectrum:
         if mesh is None:
             raise TypeError("the spectrum was loaded without its mesh: pass mesh")
         count = len(self) if k is None else _arrays.whole(k, "k")
-        with running(threads, progress) as call:
-            core, split = self._core.reconstruct(mesh._core, count, call)
+        core, split = self._core.reconstruct(mesh._core, count, call(threads, progress))
         warn_of_split(split, count, "k")
         return mesh._moved(core)
 
@@ -229,11 +208,12 @@ class Spectrum:
         --------
         Heat after the time t is `s.filter(f, lambda w: np.exp(-w * t))`.
         """
-        matrix, flat = _arrays.columns(field, None, "field")
+        matrix, flat = _arrays.columns(field, "field")
         values = response(self.values) if callable(response) else response
         factors = _arrays.field(np.broadcast_to(np.asarray(values), len(self)), len(self), "response")
-        with running(threads, progress) as call:
-            found, split = self._core.filter(matrix, factors, None if rest is None else float(rest), call)
+        found, split = self._core.filter(
+            matrix, factors, None if rest is None else float(rest), call(threads, progress)
+        )
         if split is not None:
             warn("the response splits a cluster of eigenvalues, whose modes are an arbitrary basis")
         return found[:, 0] if flat else found
@@ -255,9 +235,8 @@ class Spectrum:
         ndarray, shape (k + 1,)
             The mass-weighted root mean square of the dropped part, in units of the field.
         """
-        matrix, _ = _arrays.columns(field, None, "field")
-        with running(threads, progress) as call:
-            return self._core.truncation_errors(matrix, call)
+        matrix, _ = _arrays.columns(field, "field")
+        return self._core.truncation_errors(matrix, call(threads, progress))
 
     def heat_kernel_times(self, count: int = 100) -> Floats:
         """Logarithmically spaced times that the modes resolve, (count,), in squared mesh units."""
@@ -286,8 +265,7 @@ class Spectrum:
         """
         given = self.heat_kernel_times() if times is None else np.atleast_1d(np.asarray(times))
         array = _arrays.field(given, len(given), "times")
-        with running(threads, progress) as call:
-            return self._core.heat_kernel_signature(array, call)
+        return self._core.heat_kernel_signature(array, call(threads, progress))
 
     @documented
     def wave_kernel_signature(
@@ -303,10 +281,10 @@ class Spectrum:
         Parameters
         ----------
         energies : int or array_like, shape (e,)
-            The energies, in ln λ; a number is that of `wave_kernel_energies`.
+            The energies, in ln λ; a number is the `count` of `wave_kernel_energies`.
         sigma : float, optional
-            The deviation of ln λ; needed unless `energies` is a number, where it is that of
-            `wave_kernel_energies` by default.
+            The deviation of ln λ; required unless `energies` is a number, whose default is the
+            deviation of `wave_kernel_energies`.
         {run}
 
         Returns
@@ -329,17 +307,15 @@ class Spectrum:
             levels = _arrays.field(energies, np.size(energies), "energies")
         if sigma is None:
             raise _core.OptionError("energies without sigma, their deviation in ln λ")
-        with running(threads, progress) as call:
-            return self._core.wave_kernel_signature(levels, float(sigma), call)
+        return self._core.wave_kernel_signature(levels, float(sigma), call(threads, progress))
 
     def wave_kernel_energies(self, count: int = 100) -> tuple[Floats, float]:
-        """Energies evenly spaced in ln λ, (count,), and the deviation σ, seven steps between them."""
+        """Energies evenly spaced in ln λ, (count,), and the deviation σ: seven times their spacing."""
         return self._core.wave_kernel_energies(_arrays.whole(count, "count"))
 
     def global_point_signature(self) -> Floats:
         """φᵢ(x) / √λᵢ for the modes with λ above zero, (n, modes), dimensionless."""
-        with running(None, None) as call:
-            return self._core.global_point_signature(call)
+        return self._core.global_point_signature(call())
 
     def shape_dna(self) -> Floats:
         """The eigenvalues times the area, (k,), invariant under scaling."""
@@ -353,8 +329,7 @@ class Spectrum:
         path : str or path
             The npz file, for `Spectrum.load` and `numpy.load`.
         """
-        with running(None, None) as call:
-            self._core.save(fspath(path), call)
+        self._core.save(fspath(path), call())
 
     @classmethod
     def load(cls, path: str | PathLike[str], mesh: Mesh | None = None) -> Spectrum:
@@ -371,8 +346,7 @@ class Spectrum:
         -------
         Spectrum
         """
-        with running(None, None) as call:
-            core = _core.Spectrum.load(fspath(path), call)
+        core = _core.Spectrum.load(fspath(path), call())
         if mesh is not None and mesh.n_vertices != core.modes.shape[0]:
             raise _core.OptionError(
                 f"the spectrum is of {core.modes.shape[0]} vertices, the mesh has {mesh.n_vertices}"

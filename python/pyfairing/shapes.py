@@ -10,7 +10,7 @@ from typing import Literal
 
 from . import _core
 from ._arrays import whole
-from ._calls import running
+from ._calls import call
 from ._mesh import Mesh
 
 __all__ = [
@@ -35,8 +35,7 @@ Diagonals = Literal["regular", "alternating"]
 
 def _make(name: str, lengths: list[float], counts: list[int], word: str = "", seed: int = 0) -> Mesh:
     numbers = [whole(count, name) for count in counts]
-    with running(None, None) as call:
-        core = _core.shape(name, [float(x) for x in lengths], numbers, word, whole(seed, "seed"), call)
+    core = _core.shape(name, [float(x) for x in lengths], numbers, word, whole(seed, "seed"), call())
     return Mesh._of(core)
 
 
@@ -87,7 +86,7 @@ def irregular_plane(spacing: float = 0.03, seed: int = 1) -> Mesh:
 
 
 def cube(squares: int = 16, diagonals: Diagonals = "regular") -> Mesh:
-    """A cube with so many squares on a side."""
+    """A cube with a number of squares along each side."""
     return _make("cube", [], [squares], diagonals)
 
 

@@ -145,7 +145,7 @@ def test_gaussian_curvature(theirs: Side, ours: Side) -> None:
 
 @row("igl.principal_curvature", needs="igl")
 def test_principal_curvature(theirs: Side, ours: Side) -> None:
-    # They fit over five rings and we over fewer, so that smooth meshes are taken.
+    # Smooth meshes, as they fit over five rings and we over fewer.
     bumpy = pf.shapes.bumpy_sphere(5, 0.1, 3.0)
     ellipsoid = pf.shapes.ellipsoid(3, 2, 1, level=5)
     torus = pf.shapes.torus(2, 0.5, 160, 80)
@@ -313,7 +313,7 @@ def test_eigs(theirs: Side, ours: Side) -> None:
 def test_poisson(theirs: Side, ours: Side) -> None:
     dtup = (np.array([3, 10, 100]), np.array([1.0, -1.0, 2.0]))
     meshes = closed() + opened()
-    # Where the robust Laplacian would give something else.
+    # The robust Laplacian would give other values here.
     assert any(mesh.laplacian("non-negative").kind == "robust" for mesh in meshes)
     for mesh in meshes:
         geom = lapy_of(mesh)

@@ -38,7 +38,7 @@ def test_thin_faces() -> None:
     mesh = pf.Mesh(v, [[0, 1, 2], [1, 0, 3]])
     with pytest.raises(pf.ComputationError, match="face 1 is degenerate: area"):
         mesh.laplacian("cotangent")
-    # Every method that chooses takes the robust Laplacian, and says so.
+    # Every automatic method takes the robust Laplacian, with a warning.
     for robust in (
         lambda: mesh.laplacian("auto").kind == "robust",
         lambda: mesh.laplacian("non-negative").kind == "robust",
@@ -81,7 +81,7 @@ def check_one_rule(mesh: pf.Mesh) -> None:
     used = M.diagonal() > 0
     r = (S @ s.modes - (M @ s.modes) * s.values)[used]
     residuals = np.sqrt((r**2 / M.diagonal()[used, None]).sum(axis=0))
-    # What the solver promises itself, and the rounding of the products here.
+    # The solver's own tolerance, and the rounding of the products here.
     rounding = 1e-13 * (S.diagonal()[used] / M.diagonal()[used]).max()
     assert (residuals <= 2 * s.residuals + 1e-8 * s.values[-1] + rounding).all(), (mesh, residuals)
     if s.kind == "cotangent":

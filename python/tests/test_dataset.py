@@ -8,8 +8,9 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
-import types
+from concurrent.futures import Executor, Future
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +22,11 @@ pytest.importorskip("pyarrow")
 distributed = pytest.importorskip("distributed")
 
 from distributed.scheduler import KilledWorker  # noqa: E402
-from pyfairing import _plan  # noqa: E402
+from pyfairing import _batch, _runs  # noqa: E402
 
 #: Meshes of the corpus of these tests.
 COUNT = int(os.environ.get("PYFAIRING_DATASET_MESHES", "2000"))
-#: Every so many files are broken.
+#: One in this number of files is broken.
 BROKEN = 50
 
 
@@ -76,8 +77,8 @@ def check(found, paths: list[str]) -> None:
 def cluster():
     import dask
 
-    # One more try than the first, so that the tests need not wait for three. A local cluster looks for a
-    # worker some time after it ended, and closes it for good if it restarts just then: never here.
+    # One retry, so that tests need not wait for three. A local cluster looks for a worker some time after it
+    # ended, and would close it for good if it restarts just then.
     settings = {
         "distributed.scheduler.allowed-failures": 1,
         "distributed.deploy.lost-worker-timeout": "1 hour",
@@ -154,18 +155,18 @@ def test_bad_tasks(corpus: list[str], tmp_path) -> None:
     with pytest.raises(ValueError, match="returns row, which"):
         pf.dataset(corpus[:2], lambda mesh: {"row": 1})
     table = pf.dataset(corpus[:3], lambda m: {"a": 1 if m.n_vertices == 162 else "x"}).compute()
-    assert all("a is a str, but int64" in e for e in table["error"])
+    assert all("a is of type string, but int64" in e for e in table["error"])
     pf.dataset(corpus[:3], area, tmp_path / "out")
-    with pytest.raises(ValueError, match="holds another run: it has a row for .*00002.off"):
+    with pytest.raises(ValueError, match="holds another run .*: it has a row for .*00002.off"):
         pf.dataset(corpus[:2], area, tmp_path / "out")
-    with pytest.raises(ValueError, match="holds another run .other columns or task"):
+    with pytest.raises(ValueError, match="holds another run .*: its columns or its task"):
         pf.dataset(corpus[:3], pf.tasks.diagnosis, tmp_path / "out")
     check(pf.dataset(corpus[:2], area, tmp_path / "out", resume=False), corpus[:2])
     with pytest.raises(ValueError, match="x as float64 of 3 dimensions"):
         pf.dataset(corpus[:2], lambda mesh: {"x": np.zeros((2, 2, 2))})
 
 
-def test_files_that_are_added_are_done_alone(corpus: list[str], tmp_path) -> None:
+def test_only_added_files_are_computed(corpus: list[str], tmp_path) -> None:
     import pandas as pd
 
     done: list[str] = []
@@ -178,7 +179,7 @@ def test_files_that_are_added_are_done_alone(corpus: list[str], tmp_path) -> Non
     out = tmp_path / "out"
     check(pf.dataset(corpus[2:6], noted, out, columns=columns), corpus[2:6])
     done.clear()
-    # Before, between and after those that are there.
+    # Before, between and after the known files.
     added = [corpus[0], *corpus[2:4], corpus[10], *corpus[4:6], corpus[11]]
     order = [*corpus[2:6], corpus[0], *corpus[10:12]]
     labels = pd.DataFrame({"path": added, "label": [Path(p).stem for p in added]})
@@ -189,6 +190,11 @@ def test_files_that_are_added_are_done_alone(corpus: list[str], tmp_path) -> Non
     done.clear()
     pf.dataset(list(reversed(added)), noted, out, columns=columns)
     assert done == []
+    # Rows that were not written keep their places.
+    (first,) = out.glob("part-000000000-*")
+    first.unlink()
+    found = pf.dataset(list(reversed(added)), noted, out, columns=columns).compute().sort_index()
+    assert list(found["path"]) == order and sorted(done) == sorted(Path(p).name for p in corpus[2:6])
     # A file that has changed is another run.
     changed = tmp_path / "changed.ply"
     pf.shapes.cube(2).write(changed)
@@ -226,17 +232,33 @@ def test_results_of_two_dimensions_keep_their_shape(corpus: list[str], tmp_path)
         np.testing.assert_array_equal(box, [vertices.min(0), vertices.max(0)])
         np.testing.assert_array_equal(found["first"][row], vertices[0])
     odd = pf.dataset(corpus[:1], lambda m: {"x": np.zeros(3) if m.n_vertices != 162 else np.zeros((1, 3))})
-    assert "x has 1 dimensions, but 2 for other meshes" in odd.compute()["error"][0]
+    assert "x is of type list, but matrix for other meshes" in odd.compute()["error"][0]
 
 
-def test_estimates_come_from_headers(tmp_path) -> None:
-    mesh = pf.shapes.icosphere(4)
-    for extension in ("ply", "off", "stl", "obj"):
-        data = mesh.to_bytes(extension)
-        assert 0.4 * 2562 < _plan.estimate(f"a.{extension}", len(data), data[:1024]) < 4 * 2562
-    # No count is trusted beyond the bytes.
-    lie = b"ply\nformat ascii 1.0\nelement vertex 4000000000\n"
-    assert _plan.estimate("a.ply", len(lie), lie) < 100
+def test_batches_are_of_consecutive_files() -> None:
+    sizes = [1, 2, None, _runs.BATCH_BYTES, 1] + [1] * 80
+    sources = [_batch.Source(row, row, f"{row}.ply", size) for row, size in enumerate(sizes)]
+    made = _runs.batches(source for source in sources if source.row != 40)
+    rows = [(batch[0].row, batch[-1].row + 1) for batch in made]
+    assert rows == [(0, 3), (3, 4), (4, 40), (41, 85)]
+    assert [len(batch) for batch in _runs.batches(sources[4:])] == [64, 17]
+
+
+def test_large_meshes_of_a_process_wait_for_each_other(corpus: list[str], tmp_path, monkeypatch) -> None:
+    at_once, most = 0, 0
+
+    def counted(mesh: pf.Mesh) -> dict[str, float]:
+        nonlocal at_once, most
+        at_once += 1
+        most = max(most, at_once)
+        time.sleep(0.001)
+        at_once -= 1
+        return area(mesh)
+
+    # A worker whose threads have no memory of their own.
+    monkeypatch.setattr(_batch, "_memory", lambda: (1e9, 0.0))
+    check(pf.dataset(corpus[:130], counted, tmp_path / "out", columns={"area": "float64"}), corpus[:130])
+    assert most == 1
 
 
 @pytest.mark.cluster
@@ -285,42 +307,35 @@ def test_a_poisoned_file_is_a_row_with_its_error(corpus: list[str], client, tmp_
     assert table["error"][10].startswith("KilledWorker")
 
 
-class OneWorker:
-    """A cluster of one worker, which ends with all that is on it when one of its meshes is the poisoned one.
+class OneWorker(Executor):
+    """A cluster of one worker, which ends with all that is on it when one of its meshes is the poisoned one."""
 
-    At first it has no worker at all.
-    """
+    def __init__(self, poisoned: str) -> None:
+        self.poisoned, self.given, self.lock = poisoned, [], threading.Lock()
 
-    def __init__(self, poisoned: str, late: int) -> None:
-        self.poisoned, self.late = poisoned, late
+    def get_executor(self, pure: bool) -> Executor:
+        return self
 
-    def nthreads(self) -> dict[str, int]:
-        return {} if self.late > 0 else {"tcp://here": 1}
+    def submit(self, run, batch, *rest):
+        future: Future = Future()
+        self.given.append((future, batch, functools.partial(run, batch, *rest)))
+        threading.Timer(0.1, self.work).start()
+        return future
 
-    def submit(self, task, batch, *rest, **_):
-        run = functools.partial(task, batch, *rest)
-        return types.SimpleNamespace(key=object(), batch=batch, run=run, release=lambda: None)
-
-    def wait(self, futures, timeout, return_when):
-        if self.late > 0:
-            self.late -= 1
-            raise distributed.TimeoutError
-        if any(s.path == self.poisoned for future in futures for s in future.batch.sources):
-            ended, error = futures, KilledWorker("run", None, 1)
-        else:
-            ended, error = futures[:1], None
-            futures[0].run()
-        for future in ended:
-            future.exception = lambda: error
-        return types.SimpleNamespace(done=ended)
+    def work(self) -> None:
+        with self.lock:
+            given, self.given = self.given, []
+            ends = any(source.path == self.poisoned for _, batch, _ in given for source in batch)
+            for future, _, run in given:
+                if ends:
+                    future.set_exception(KilledWorker("run", None, 1))
+                else:
+                    future.set_result(run())
 
 
-def test_what_was_on_the_worker_of_a_poisoned_file_is_done(corpus: list[str], tmp_path, monkeypatch) -> None:
+def test_other_meshes_on_the_worker_of_a_poisoned_file_are_computed(corpus: list[str], tmp_path) -> None:
     few = corpus[8:48]
-    cluster = OneWorker(few[2], late=15)
-    monkeypatch.setattr(distributed, "wait", cluster.wait)
-    with pytest.warns(RuntimeWarning, match="no workers for 60 s"):
-        table = pf.dataset(few, area, tmp_path / "out", client=cluster).compute()
+    table = pf.dataset(few, area, tmp_path / "out", client=OneWorker(few[2])).compute()
     assert [i for i in range(40) if table["error"].notna()[i]] == [2]
     assert table["error"][2].startswith("KilledWorker")
     assert list(table.index) == list(range(40))
@@ -339,11 +354,11 @@ def test_a_file_that_needs_more_memory_than_a_worker_has(corpus: list[str], clie
     large = tmp_path / "large.ply"
     pf.shapes.icosphere(6).write(large)
     few = [*corpus[:5], str(large), *corpus[8:12]]
-    # The estimate says it: the mesh is not tried.
+    # The mesh is read, but not computed.
     table = pf.dataset(few, area, tmp_path / "a", client=client, bytes_per_vertex=40_000).compute()
-    assert "MemoryError: about 40962 vertices" in table["error"][5]
+    assert "MemoryError: 40962 vertices" in table["error"][5]
     assert table["error"].notna().sum() == 1
-    # The estimate does not know it: the worker ends again and again, and the others are done.
+    # The task needs more than it declares: its workers end, and the other meshes are computed.
     table = pf.dataset(few, hungry, tmp_path / "b", client=client).compute()
     assert table["error"][5].startswith("KilledWorker")
     assert table["error"].notna().sum() == 1 and list(table.index) == list(range(10))
@@ -377,17 +392,19 @@ def test_an_interrupted_run_goes_on(corpus: list[str], tmp_path) -> None:
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     parts = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "out").glob("part-*")}
-    assert 0 < len(parts) < len(_plan.batches(_plan.describe(corpus)))
+    assert 0 < len(parts) < len(_runs.batches(_runs.listed(corpus)[0]))
     found = pf.dataset(corpus, slow_area, tmp_path / "out")
     check(found, corpus)
-    # What was written is not done again.
+    # Written batches are not computed again.
     assert all((tmp_path / "out" / name).stat().st_mtime_ns == at for name, at in parts.items())
 
 
 def test_parts_that_came_twice_are_dropped(corpus: list[str], tmp_path) -> None:
     few = corpus[:6]
     pf.dataset(few, area, tmp_path / "out")
-    whole = tmp_path / "out" / _plan.Batch(tuple(_plan.describe(few))).part
-    # A worker that was given up, and wrote after all.
-    (tmp_path / "out" / "part-000000002-000000003.parquet").write_bytes(whole.read_bytes())
+    (whole,) = (tmp_path / "out").glob("part-*")
+    # A worker believed lost has written its batch.
+    late = Path(_batch.part_name(str(tmp_path / "out"), 2, 3))
+    late.write_bytes(whole.read_bytes())
     check(pf.dataset(few, area, tmp_path / "out"), few)
+    assert not late.exists()

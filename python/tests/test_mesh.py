@@ -72,7 +72,7 @@ def test_repr_and_html() -> None:
     assert repr(mesh) == "Mesh(4 vertices, 2 faces, fields height)"
     html = mesh._repr_html_()
     assert "data:image/png;base64," in html and "height" in html
-    # Nothing to draw is no error.
+    # An empty mesh is drawn without an error.
     assert "no face" in pf.Mesh(V, np.zeros((0, 3), int))._repr_html_()
 
 
@@ -201,7 +201,14 @@ def test_polygons_stay_until_faces_change(tmp_path) -> None:
 
 
 def test_statements_of_obj_stay(tmp_path) -> None:
-    lines = ["mtllib a.mtl", *(f"v {x} {y} {z}" for x, y, z in V), "usemtl red", "f 1 2 3", "usemtl blue", "f 1 2 4"]
+    lines = [
+        "mtllib a.mtl",
+        *(f"v {x} {y} {z}" for x, y, z in V),
+        "usemtl red",
+        "f 1 2 3",
+        "usemtl blue",
+        "f 1 2 4",
+    ]
     (tmp_path / "a.obj").write_text("\n".join(lines) + "\n")
     (tmp_path / "a.mtl").write_text("newmtl red\nnewmtl blue\n")
     mesh = pf.read(tmp_path / "a.obj")

@@ -5,6 +5,7 @@ Run as a program it writes the file.
 
 from __future__ import annotations
 
+import ast
 import inspect
 import pickle
 import sys
@@ -31,13 +32,16 @@ from typing import Literal, TypeAlias, TypedDict
 
 import numpy.typing as npt
 
-#: A vertex, a weight, and where it is drawn to (where it is, without).
+#: A vertex, its weight, and its target position, by default its own.
 Soft: TypeAlias = "Iterable[tuple[int, float] | tuple[int, float, npt.ArrayLike]]"
 '''
 
 
-def literal(names: list[str]) -> str:
-    return "Literal[" + "".join(f'\n    "{name}",' for name in names) + "\n]"
+def literal(name: str, choices: list[str]) -> str:
+    line = f"{name} = Literal[" + ", ".join(f'"{choice}"' for choice in choices) + "]"
+    if len(line) <= 110:
+        return line
+    return f"{name} = Literal[" + "".join(f'\n    "{choice}",' for choice in choices) + "\n]"
 
 
 def static_type(family: Family, name: str) -> str:
@@ -62,7 +66,7 @@ def declarations() -> str:
     }
     text = HEADER
     for name, choices in names.items():
-        text += f"\n{name} = {literal(choices)}\n"
+        text += f"\n{literal(name, choices)}\n"
     for family in (ESTIMATOR, METHOD, DENOISER):
         title = family.what.capitalize()
         text += f"\n\nclass {title}Parameters(TypedDict, total=False):\n"
@@ -76,6 +80,27 @@ def test_names_are_those_of_the_library() -> None:
     package = Path(_names.__file__)
     command = f"PYTHONPATH={package.parents[1]} {sys.executable} {__file__}"
     assert package.read_text("utf-8") == declarations(), f"write it again by {command}"
+
+
+def test_the_stub_declares_the_extension() -> None:
+    """Classes, functions, properties, and the names of arguments."""
+
+    def declared(node: ast.ClassDef | ast.FunctionDef) -> object:
+        if isinstance(node, ast.ClassDef):
+            own = [n for n in node.body if isinstance(n, (ast.ClassDef, ast.FunctionDef))]
+            return {n.name: declared(n) for n in own if n.name != "__new__"}
+        if any(isinstance(d, ast.Name) and d.id == "property" for d in node.decorator_list):
+            return "property"
+        return [argument.arg for argument in node.args.args]
+
+    def present(thing: object) -> object:
+        if inspect.isclass(thing):
+            return {n: present(t) for n, t in vars(thing).items() if not n.startswith("__")}
+        return "property" if inspect.isdatadescriptor(thing) else list(inspect.signature(thing).parameters)
+
+    stub = ast.parse(Path(_names.__file__).with_name("_core.pyi").read_text("utf-8"))
+    expected = {n.name: declared(n) for n in stub.body if isinstance(n, (ast.ClassDef, ast.FunctionDef))}
+    assert expected == {n: present(t) for n, t in vars(_core).items() if not n.startswith("__")}
 
 
 @pytest.mark.parametrize(
@@ -97,7 +122,7 @@ def test_defaults_change_nothing(family: Family, bumpy: pf.Mesh) -> None:
     noisy = bumpy.noise(0.1)
     call = {"estimator": noisy.curvature, "method": noisy.smooth, "denoiser": noisy.denoise}[family.what]
     read = {"number": float, "count": int, "choice": str}
-    # Parameters of cotangents and of cutoffs cannot be given without these.
+    # These parameters require others: cotangent weights, or a cutoff.
     dependent = ("area", "kind", "order", "time") if family is METHOD else ()
     for algorithm, parameters in family.algorithms.items():
         if algorithm == "automatic" or not parameters:
@@ -144,7 +169,7 @@ def test_a_mask_moves_only_what_it_selects(patch: pf.Mesh) -> None:
         *(
             patch.smooth(method, where=where, **({"vertices": range(60)} if method == "region" else {}))
             for method in pf.METHODS
-            # Which needs a closed mesh.
+            # Conformal flow needs a closed mesh.
             if method != "conformal"
         ),
         patch.smooth("low-pass", modes=20, where=np.flatnonzero(where)),
@@ -160,7 +185,7 @@ def test_a_mask_moves_only_what_it_selects(patch: pf.Mesh) -> None:
         np.testing.assert_array_equal(part.vertices[fixed], noisy.vertices[fixed])
         assert (part.vertices[~fixed] != noisy.vertices[~fixed]).any()
         assert noisy.denoise(denoiser, pin=fixed) == part
-    # Flows hold the others in every step, as pins do.
+    # Flows keep the other vertices fixed in every step, like pins.
     held = patch.smooth("implicit", lam=2.0, where=where)
     np.testing.assert_array_equal(held.vertices, patch.smooth("implicit", lam=2.0, pin=~where).vertices)
     with pytest.raises(pf.OptionError, match="where is a mask of shape"):

@@ -13,9 +13,9 @@ import numpy as np
 import pyfairing as pf
 import pytest
 
-#: What a call may take to end after Ctrl-C, in seconds.
+#: Longest time for a call to end after Ctrl-C, in seconds.
 PROMPT = 0.1
-#: Besides: the machine is busy with other tests.
+#: Additional time, as other tests keep the machine busy.
 SLACK = 0.15
 
 
@@ -63,7 +63,7 @@ def test_the_environment_sets_the_number_of_threads() -> None:
     counts = []
     for threads in ("1", "5"):
         env = {**os.environ, "RAYON_NUM_THREADS": threads}
-        # Not here, where the sources would come before what is installed.
+        # In another folder, as sources here would be found before the installed package.
         command = [sys.executable, "-c", code]
         text = subprocess.run(command, env=env, cwd="/", capture_output=True, text=True, check=True).stdout
         counts.append(int(next(line for line in text.splitlines() if line.startswith("Threads")).split()[1]))
@@ -110,7 +110,7 @@ def test_ctrl_c_ends_long_work(large: pf.Mesh, name: str) -> None:
         timer.cancel()
         timer.join()
     assert took < PROMPT + SLACK, f"{name} took {took:.3f} s to end"
-    # Nothing is broken after it.
+    # Later calls work.
     assert np.isfinite(pf.shapes.icosphere(2).smooth().vertices).all()
 
 
@@ -139,7 +139,7 @@ def test_progress(large: pf.Mesh) -> None:
     told.clear()
     large.spectrum(30, progress=lambda *step: told.append(step))
     assert {step[0] for step in told} == {"modes"}
-    # Watched or not, the same bits.
+    # Progress does not change the result.
     watched = large.smooth("implicit", progress=lambda *_: None)
     assert watched == large.smooth("implicit")
 
@@ -220,7 +220,7 @@ def test_memory_is_returned() -> None:
     before = resident()
     for _ in range(40):
         work()
-    # A leak of the positions alone in each round would be ten megabytes, of a matrix thirty.
+    # Leaking the positions in each round would take ten megabytes, a matrix thirty.
     assert resident() - before < 8 << 20
 
 

@@ -67,8 +67,8 @@ def saved(path: Path, *meshes: pf.Mesh, **options: object) -> Page:
 
 def test_a_page_holds_the_mesh(tmp_path: Path, bumpy: pf.Mesh) -> None:
     far = bumpy.with_vertices(bumpy.vertices + [1e6, 0, 0]).with_fields(height=bumpy.vertices[:, 1])
-    page = saved(tmp_path, far, titles=["a <b> & \"c\""])
-    assert page.titles == ["a <b> & \"c\""]
+    page = saved(tmp_path, far, titles=['a <b> & "c"'])
+    assert page.titles == ['a <b> & "c"']
     blocks = page.meshes[0]
     low, high = far.vertices.min(axis=0), far.vertices.max(axis=0)
     center = [float(x) for x in (page.body["data-center"] or "").split()]
@@ -92,7 +92,7 @@ def test_fields_of_several_meshes(tmp_path: Path, patch: pf.Mesh) -> None:
         shown = values(page, mesh, "field")
         np.testing.assert_array_equal(np.isnan(shown), hidden)
         np.testing.assert_array_equal(shown[~hidden], c.mean[~hidden])
-    # By name, with what is undefined; a mesh without the field is plain.
+    # By name, with undefined values; a mesh without the field has no colours.
     page = saved(tmp_path, patch, named, field="mean")
     assert page.body["data-field"] == "mean" and ("field", "mean") not in page.meshes[0]
     np.testing.assert_array_equal(np.isnan(values(page, 1, "mean")), hidden)
@@ -145,10 +145,10 @@ def test_a_notebook_shows_a_frame(monkeypatch: pytest.MonkeyPatch, sphere: pf.Me
     monkeypatch.setattr(webbrowser, "open", fail)
     shell = SimpleNamespace(kernel=None)
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    view = sphere.with_fields({"a\"&amp;<b": np.arange(sphere.n_vertices)}).show()
+    view = sphere.with_fields({'a"&amp;<b': np.arange(sphere.n_vertices)}).show()
     assert repr(view) == "View(0.1 MB of HTML)"
     assert Page(view._repr_html_()).frames == [view.html]
-    assert ("field", "a\"&amp;<b") in Page(view.html).meshes[0]
+    assert ("field", 'a"&amp;<b') in Page(view.html).meshes[0]
 
 
 def test_meshes_side_by_side_with_a_colour_bar(tmp_path: Path, bumpy: pf.Mesh) -> None:
