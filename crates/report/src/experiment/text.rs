@@ -140,14 +140,13 @@ impl Text {
         card.unwrap_or_else(|error| panic!("{error:#}"))
     }
 
-    /// The value of a parameter of the card, the block `# parameter NAME`.
+    /// As [`Self::say`], for words that are always needed.
     ///
     /// # Panics
     ///
     /// As [`Self::card`].
-    pub(crate) fn parameter(&self, name: &str, values: Values<'_>) -> String {
-        let words = self.say(&format!("parameter {name}"), values);
-        words.unwrap_or_else(|error| panic!("{error:#}"))
+    pub(crate) fn words(&self, heading: &str, values: Values<'_>) -> String {
+        self.say(heading, values).unwrap_or_else(|error| panic!("{error:#}"))
     }
 
     fn described(

@@ -48,8 +48,8 @@ impl Experiment for GrowingNoise {
             ("explicit", ours),
             ("implicit", format!("uniform, {IMPLICIT}; {REPORT_IMPLICIT}")),
             ("spectral", format!("one mode in {MODES} up to a gap, random-walk weights")),
-            ("Taubin and denoisers", TEXT.parameter("denoisers", &[])),
-            ("seeds", TEXT.parameter("seeds", values! { most: SEEDS[0], slow: SEEDS[1] })),
+            ("Taubin and denoisers", TEXT.words("parameter denoisers", &[])),
+            ("seeds", TEXT.words("parameter seeds", values! { most: SEEDS[0], slow: SEEDS[1] })),
         ];
         let values = values! {
             lowest, highest, modes: MODES, hopeless: HOPELESS, kept: KEPT, shrunk: SHRUNK,

@@ -28,7 +28,7 @@ pub(crate) fn report(results: &Results) -> String {
     for act in &story::ACTS {
         let mut own = act.sections(results).peekable();
         if own.peek().is_some() {
-            let _ = write!(text, "\n# {}\n\n{}\n", act.title, act.about);
+            let _ = write!(text, "\n# {}\n\n{}\n", act.title, act.about());
         }
         for record in own {
             text += &section(record, number(record), results.form);
@@ -41,7 +41,7 @@ pub(crate) fn report(results: &Results) -> String {
     if !rules.is_empty() {
         text += "\n## What we would tell the student\n\n";
         for (k, rule) in rules.iter().enumerate() {
-            let _ = writeln!(text, "{}. {} (claim {})", k + 1, rule.text, rule.claim);
+            let _ = writeln!(text, "{}. {} (claim {})", k + 1, rule.text(), rule.claim);
         }
     }
     text + &sources(results)

@@ -1,6 +1,7 @@
 //! Order of the experiments as an article: the title, three acts, and the rules
 //! at the end. Numbers come from the results; none is written here.
 
+use crate::experiment::text::Text;
 use crate::model::results::{Record, Results};
 use crate::model::section;
 use crate::model::verdict::Verdict;
@@ -8,40 +9,28 @@ use crate::model::verdict::Verdict;
 /// The title of the report.
 pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
 
+static TEXT: Text = Text::new("story", include_str!("../../text/story.md"));
+
 /// Smoothing in two sentences, before anything is named.
-pub(crate) const IDEA: &str = "Here is a rule: move every vertex of a mesh a fraction λ of the way to the average of its \
-    neighbours, and repeat. The bumps and the noise below fade, unless λ is too large.";
+pub(crate) fn idea() -> String {
+    TEXT.words("idea", &[])
+}
 
 /// The question that the first playground raises.
-pub(crate) const QUESTION: &str = "On this mesh the limit is λ = 4/3: below it every wave on the surface fades, \
-    above it the roughest one grows with each step. What the rule repeats is a matrix, the Laplacian, and 4/3 is two divided by \
-    its largest eigenvalue in absolute value. The same matrix measures how a surface bends, takes a shape apart into waves, and \
-    removes noise. This report asks how well it does each.";
+pub(crate) fn question() -> String {
+    TEXT.words("question", &[])
+}
 
 /// The playground that opens the report.
 pub(crate) fn first_playground() -> section::Playground {
-    section::Playground {
-        kind: "opening".into(),
-        caption: "A bumpy ball with noise, and the same ball after twelve steps of the rule. The slider is λ.".into(),
-        alt: "A bumpy ball before and after twelve steps towards the neighbours.".into(),
-    }
+    let [caption, alt] = ["opening", "opening alt"].map(|heading| TEXT.words(heading, &[]));
+    section::Playground { kind: "opening".into(), caption, alt }
 }
-
-/// The subject of the report, before its findings.
-const ABOUT: &str = "We repeated every experiment of a coursework report on discrete curvature, spectra and \
-    smoothing of triangle meshes, and tested its conclusions. One command runs, draws and measures them; only the \
-    tables of the benchmark of denoisers are stored results.";
 
 /// The subject of the report, and whether generated meshes take the place of the assignment's.
 pub(crate) fn about(results: &Results) -> String {
     let stand_in = results.experiments.iter().flat_map(|r| &r.inputs).any(|input| input.stand_in);
-    match stand_in {
-        true => format!(
-            "{ABOUT} In this run generated meshes of the same kind take the place of the assignment's: where the text \
-             names its flower, plane or machine part, it means these."
-        ),
-        false => ABOUT.into(),
-    }
+    TEXT.words(if stand_in { "about stand-ins" } else { "about" }, &[])
 }
 
 /// A part of the article.
@@ -49,32 +38,16 @@ pub(crate) struct Act {
     /// Its name in links.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// Its subject, in a sentence or two.
-    pub(crate) about: &'static str,
     act: section::Act,
 }
 
 pub(crate) const ACTS: [Act; 3] = [
-    Act {
-        act: section::Act::Curvature,
-        id: "act-curvature",
-        title: "I. Measuring curvature",
-        about: "Surfaces bend; meshes only have corners. This part asks which vertex formulas converge to the \
-            curvature of the surface, and what noise does to them.",
-    },
-    Act {
-        act: section::Act::Spectrum,
-        id: "act-spectrum",
-        title: "II. A shape as a spectrum",
-        about: "The eigenvectors of the Laplacian are the waves of a surface, from smooth to rough. This part takes a \
-            shape apart into them and puts it together again.",
-    },
+    Act { act: section::Act::Curvature, id: "act-curvature", title: "I. Measuring curvature" },
+    Act { act: section::Act::Spectrum, id: "act-spectrum", title: "II. A shape as a spectrum" },
     Act {
         act: section::Act::Diffusion,
         id: "act-diffusion",
         title: "III. Diffusion and denoising",
-        about: "Diffusion damps rough waves more than smooth ones: it removes noise, and in the end the shape. This \
-            part asks how far one can go, and what to do instead.",
     },
 ];
 
@@ -116,6 +89,11 @@ pub(crate) fn lessons(results: &Results) -> String {
 }
 
 impl Act {
+    /// Its subject, in a sentence or two.
+    pub(crate) fn about(&self) -> String {
+        TEXT.words(&self.id.replace("act-", "act "), &[])
+    }
+
     /// The experiments of this act that were run.
     pub(crate) fn sections<'a>(&self, results: &'a Results) -> impl Iterator<Item = &'a Record> {
         let act = self.act;
@@ -133,17 +111,22 @@ pub(crate) fn in_order(results: &Results) -> Vec<&Record> {
     ACTS.iter().flat_map(|act| act.sections(results)).chain(others(results)).collect()
 }
 
-/// A rule for the student, the claim behind it, and the verdicts from which it follows.
+/// A rule for the student: the claim behind it, and the verdicts from which it follows.
 pub(crate) struct Rule {
-    pub(crate) text: &'static str,
     pub(crate) claim: &'static str,
     follows: &'static [Verdict],
 }
 
 impl Rule {
+    /// The advice.
+    pub(crate) fn text(&self) -> String {
+        TEXT.words(&format!("rule {}", self.claim), &[])
+    }
+
     /// Its first sentence, to go into a list.
     fn lesson(&self) -> String {
-        let first = self.text.split(". ").next().unwrap_or_default().trim_end_matches('.');
+        let text = self.text();
+        let first = text.split(". ").next().unwrap_or_default().trim_end_matches('.');
         let mut letters = first.chars();
         let begin = letters.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
         begin + letters.as_str()
@@ -160,42 +143,12 @@ pub(crate) const GROUPS: [(Verdict, &str); 4] = [
 
 /// Advice to the student.
 const RULES: [Rule; 6] = [
-    Rule {
-        text: "Say which area you divide by. Half the length of the uniform Laplacian is a length, not a curvature; \
-            cotangents over mixed areas are the better estimate.",
-        claim: "3a",
-        follows: &[Verdict::Qualified, Verdict::Confirmed],
-    },
-    Rule {
-        text: "Under noise, trust total curvature, not single vertices. The total of the angle defects never changes; \
-            at a vertex noise disturbs mean and Gaussian curvature alike.",
-        claim: "1a",
-        follows: &[Verdict::Refuted, Verdict::Qualified],
-    },
-    Rule {
-        text: "Check a formula at the point where it is used. Coefficients from different points do not combine \
-            into a curvature, and central differences show it in a minute.",
-        claim: "2a",
-        follows: &[Verdict::Refuted],
-    },
-    Rule {
-        text: "Keep λ below 2/|μ| of the roughest mode. For uniform weights on a closed mesh every λ below 4/3 is safe, and \
-            λ = 2 never is.",
-        claim: "5a",
-        follows: &[Verdict::Qualified, Verdict::Confirmed],
-    },
-    Rule {
-        text: "Compare flows at equal diffusion time, steps times λ, not at equal numbers of steps. Being stable is \
-            not being right: long implicit steps shrink the shape.",
-        claim: "6b",
-        follows: &[Verdict::Refuted, Verdict::Qualified],
-    },
-    Rule {
-        text: "Measure noise and features in edge lengths. Whether a level of noise destroys a shape depends on the \
-            size of its triangles and of its features, not on model units.",
-        claim: "7a",
-        follows: &[Verdict::Qualified, Verdict::Refuted],
-    },
+    Rule { claim: "3a", follows: &[Verdict::Qualified, Verdict::Confirmed] },
+    Rule { claim: "1a", follows: &[Verdict::Refuted, Verdict::Qualified] },
+    Rule { claim: "2a", follows: &[Verdict::Refuted] },
+    Rule { claim: "5a", follows: &[Verdict::Qualified, Verdict::Confirmed] },
+    Rule { claim: "6b", follows: &[Verdict::Refuted, Verdict::Qualified] },
+    Rule { claim: "7a", follows: &[Verdict::Qualified, Verdict::Refuted] },
 ];
 
 /// The rules that follow from these results.

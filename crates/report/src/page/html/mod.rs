@@ -130,9 +130,9 @@ fn opening(results: &Results) -> String {
     };
     let mut text = format!(
         "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}{lessons}</p>",
-        story::IDEA,
+        story::idea(),
         figures::playground(&story::first_playground(), ""),
-        story::QUESTION,
+        story::question(),
         story::about(results),
         story::tally(results)
     );
@@ -173,7 +173,9 @@ fn acts(results: &Results, sections: &[(&str, String)]) -> String {
         let _ = write!(
             text,
             "<header class=\"act\" id=\"{}\"><h2>{}</h2><p>{}</p></header>",
-            act.id, act.title, act.about
+            act.id,
+            act.title,
+            act.about()
         );
         for record in own {
             let bridge = &record.section.bridge;
@@ -195,7 +197,7 @@ fn rules(results: &Results) -> String {
     let items: String = rules
         .iter()
         .map(|rule| {
-            format!("<li>{} (<a href=\"#claim-{1}\">claim {1}</a>)</li>", rule.text, rule.claim)
+            format!("<li>{} (<a href=\"#claim-{1}\">claim {1}</a>)</li>", rule.text(), rule.claim)
         })
         .collect();
     format!(
