@@ -1,11 +1,8 @@
 //! `cargo xtask …`: see `cargo xtask help`.
 
-mod builds;
 mod gate;
-mod packages;
 mod programs;
 mod python;
-mod release;
 mod tasks;
 mod tidy;
 mod web;
@@ -15,9 +12,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use programs::{Program, study};
-use tasks::{RELEASE_HELP, TASKS, TEST_HELP, WEB_HELP, help};
-use web::Extent;
+use programs::{BENCH, REPRODUCE, study};
+use tasks::{help, overview};
 
 fn main() -> ExitCode {
     match run() {
@@ -35,54 +31,33 @@ fn run() -> Result<ExitCode> {
     let root = root();
     let passed = match &words[..] {
         [] => {
-            eprintln!("{}", help());
+            eprintln!("{}", overview());
             return Ok(ExitCode::from(2));
         }
-        ["help" | "--help" | "-h", ..] => {
-            println!("{}", help());
-            true
-        }
-        ["bench", "build"] => builds::run(&root).map(|()| true)?,
-        ["reproduce" | "report" | "data", ..] => {
-            return Program::Reproduce.start(&root, &arguments);
-        }
-        ["bench", ..] => return Program::Bench.start(&root, &arguments[1..]),
+        ["reproduce" | "report" | "data", ..] => return REPRODUCE.start(&root, &arguments),
+        ["bench", ..] => return BENCH.start(&root, &arguments[1..]),
         ["study", ..] => return study(&root, &arguments[1..]),
-        ["test", "--help" | "-h"] => {
-            println!("{TEST_HELP}");
+        ["help" | "--help" | "-h", ..] => {
+            println!("{}", overview());
             true
         }
-        ["web", "--help" | "-h"] => {
-            println!("{WEB_HELP}");
-            true
-        }
-        [name, "--help" | "-h"] if is_task(name) => {
-            println!("Usage: cargo xtask {name}");
+        [name, "--help" | "-h"] if let Some(help) = help(name) => {
+            println!("{help}");
             true
         }
         ["tidy"] => tidy::run(&root)?,
-        ["wheel"] => python::wheel(&root)?.map(|_| true).map_err(anyhow::Error::msg)?,
-        ["release", "--dry-run"] => release::run(&root)?,
-        ["release", "--help" | "-h"] => {
-            println!("{RELEASE_HELP}");
-            true
-        }
-        ["release"] => bail!("pass --dry-run: .github/workflows/release.yml uploads, nobody else"),
-        ["web"] => web::run(&root, Extent::Build)?,
-        ["web", "--page"] => web::run(&root, Extent::Page)?,
-        ["web", "--accept"] => web::run(&root, Extent::Accept)?,
-        ["test"] => gate::run(&root, false)?,
-        ["test", "--python"] => gate::run(&root, true)?,
-        [name, options @ ..] if is_task(name) => {
+        ["wheel"] => python::wheel(&root).map(|_| true)?,
+        ["web"] => web::run(&root, web::Extent::Build)?,
+        ["web", "--page"] => web::run(&root, web::Extent::Page)?,
+        ["web", "--accept"] => web::run(&root, web::Extent::Accept)?,
+        ["test"] => gate::run(&root, python::Extent::Quick)?,
+        ["test", "--python"] => gate::run(&root, python::Extent::Whole)?,
+        [name, options @ ..] if help(name).is_some() => {
             bail!("cargo xtask {name} has no option {}", options.join(" "))
         }
-        [name, ..] => bail!("there is no task {name}\n\n{}", help()),
+        [name, ..] => bail!("there is no task {name}\n\n{}", overview()),
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-fn is_task(name: &str) -> bool {
-    TASKS.iter().any(|task| task.0 == name)
 }
 
 /// The root of the repository, known when this program was built.

@@ -1,4 +1,4 @@
-//! The programs that do the work of a task.
+//! The programs that do the work of tasks.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -7,52 +7,41 @@ use std::process::{Command, ExitCode};
 use anyhow::{Context as _, Result};
 
 /// A program of the workspace.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Program {
-    /// Experiments and their report, in the profile of the tests, so nothing is compiled twice.
-    Reproduce,
-    /// Times of tasks, in the profile release: what users install is measured.
-    Bench,
+pub(crate) struct Program {
+    name: &'static str,
+    /// The options of cargo that choose the profile.
+    options: &'static [&'static str],
+    /// The folder of the profile below the target folder.
+    folder: &'static str,
 }
 
-impl Program {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Reproduce => "reproduce",
-            Self::Bench => "bench",
-        }
-    }
+/// The experiments and their report, in the profile of the tests, so nothing is compiled twice.
+pub(crate) const REPRODUCE: Program = Program { name: "reproduce", options: &[], folder: "debug" };
 
-    /// The place of the program: beside this one, in the folder of its profile.
-    fn path(self) -> Result<PathBuf> {
+/// Times of tasks, in the profile release: what users install is measured.
+pub(crate) const BENCH: Program =
+    Program { name: "bench", options: &["--release"], folder: "release" };
+
+impl Program {
+    /// The place of the program: in the folder of its profile, beside the folder of this program.
+    pub(crate) fn path(&self) -> Result<PathBuf> {
         let own = std::env::current_exe().context("finding our own program")?;
         let folder = own.parent().context("our own program is in no folder")?;
-        let file = format!("{}{}", self.name(), std::env::consts::EXE_SUFFIX);
-        Ok(match self {
-            Self::Reproduce => folder.with_file_name("debug").join(file),
-            Self::Bench => folder.with_file_name("release").join(file),
-        })
-    }
-
-    /// The program as a command; it has to be built.
-    pub(crate) fn command(self) -> Result<Command> {
-        Ok(Command::new(self.path()?))
+        let file = format!("{}{}", self.name, std::env::consts::EXE_SUFFIX);
+        Ok(folder.with_file_name(self.folder).join(file))
     }
 
     /// Builds the program with the features that its dependencies have in the whole workspace, so
     /// that the tests and the Python package share them, and runs it in the place of this one.
-    pub(crate) fn start(self, root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
+    pub(crate) fn start(&self, root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
         let mut build = cargo(root);
-        build.args(["build", "--workspace", "--bin", self.name()]);
-        if let Self::Bench = self {
-            build.arg("--release");
-        }
-        if !build.status().context("running cargo")?.success() {
+        build.args(["build", "--workspace", "--bin", self.name]).args(self.options);
+        if !succeeds(&mut build)? {
             return Ok(ExitCode::FAILURE);
         }
-        let mut command = self.command()?;
+        let mut command = Command::new(self.path()?);
         command.args(arguments);
-        become_program(command).with_context(|| format!("running {}", self.name()))
+        become_program(command).with_context(|| format!("running {}", self.name))
     }
 }
 
@@ -69,6 +58,19 @@ pub(crate) fn cargo(root: &Path) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root);
     cargo
+}
+
+/// Runs a command; returns true if it succeeds.
+pub(crate) fn succeeds(command: &mut Command) -> Result<bool> {
+    let status = command.status();
+    Ok(status.with_context(|| format!("running {}", command.get_program().display()))?.success())
+}
+
+/// Returns true if a folder of the path has a program of this name.
+pub(crate) fn on_path(name: &str) -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    std::env::split_paths(&folders).any(|folder| folder.join(&file).is_file())
 }
 
 /// Signals, the terminal and the exit code are those of the program.

@@ -1,38 +1,23 @@
 //! The tasks and their help.
 
 /// The name and the description of each task.
-pub(crate) const TASKS: [(&str, &str); 10] = [
+pub(crate) const TASKS: [(&str, &str); 9] = [
     ("reproduce", "Run the experiments and write the report"),
     ("report", "Write the pages of a report again, from its results.json"),
     ("data", "Generate the meshes of data/, or check them"),
-    ("bench", "Time one task inside the process, or builds from an empty target folder"),
+    ("bench", "Time one task inside the process"),
     ("study", "Measure, tune and train denoisers on generated models with noise"),
-    (
-        "tidy",
-        "Check the tree against its rules: arrows between crates, lengths of files, the README",
-    ),
-    (
-        "wheel",
-        "Build the wheel of the Python package into target/wheels, with maturin from the package index",
-    ),
+    ("tidy", "Check lengths of files and lines, comments, documents, citations, circles of files"),
+    ("wheel", "Build the wheel of the Python package into target/wheels, with maturin"),
     ("web", "Build the module for browsers and the laboratory, target/web/fairing.html"),
-    (
-        "release",
-        "Walk through a release with --dry-run: versions, packages, a build from them alone, wheel",
-    ),
-    (
-        "test",
-        "Run everything that guards a merge: tidy, format, lints, tests, reference values, Python",
-    ),
+    ("test", "Run everything that guards a merge"),
 ];
 
-/// Help of the task `test`.
-pub(crate) const TEST_HELP: &str = "\
+const TEST: &str = "\
 Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
 
 The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these tests are
-skipped by name. So are the checks by programs that are not installed: the oldest compiler, mdbook, actionlint, cargo-deny,
-cargo-semver-checks.
+skipped by name. So are tests and checks by programs that are not installed, such as Node, Chromium or cargo-deny.
 
 Usage: cargo xtask test [--python]
 
@@ -40,8 +25,7 @@ Options:
       --python  Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
   -h, --help    Print help";
 
-/// Help of the task `web`.
-pub(crate) const WEB_HELP: &str = "\
+const WEB: &str = "\
 Build the module for browsers from source, test it in Node, write the laboratory, target/web/fairing.html, and test it in
 Chromium; where Node or Chromium is absent, its tests are skipped by name
 
@@ -55,24 +39,22 @@ Options:
       --accept  Replace the committed module, crates/web/assets/fairing.wasm.gz, if its tests pass
   -h, --help    Print help";
 
-/// Help of the task `release`.
-pub(crate) const RELEASE_HELP: &str = "\
-Walk through a release, short of the upload: clean tree, versions, changelog, metadata, tidy, packages of all crates, a build
-of examples and program from these packages alone in an empty project, source distribution and wheel
-
-Each step prints ok, or an error; a wheel needs maturin, which pip fetches.
-
-Usage: cargo xtask release --dry-run
-
-Options:
-      --dry-run  Required: the workflow of the repository uploads
-  -h, --help     Print help";
-
 /// The tasks, a line each.
-pub(crate) fn help() -> String {
-    let mut text = "Usage: cargo xtask TASK [OPTIONS]\n\nTasks:\n".to_owned();
-    for (name, about) in TASKS {
-        text += &format!("  {name:<10} {about}\n");
-    }
-    text + "\nThe options of a task: cargo xtask TASK --help"
+pub(crate) fn overview() -> String {
+    let lines = TASKS.iter().map(|(name, about)| format!("  {name:<10} {about}\n"));
+    let lines: String = lines.collect();
+    format!(
+        "Usage: cargo xtask TASK [OPTIONS]\n\nTasks:\n{lines}\n\
+         The options of a task: cargo xtask TASK --help"
+    )
+}
+
+/// The help of a task; `None` if there is no such task.
+pub(crate) fn help(name: &str) -> Option<String> {
+    let (_, about) = TASKS.iter().find(|task| task.0 == name)?;
+    Some(match name {
+        "test" => TEST.to_owned(),
+        "web" => WEB.to_owned(),
+        _ => format!("{about}\n\nUsage: cargo xtask {name}"),
+    })
 }

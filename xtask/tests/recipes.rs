@@ -16,6 +16,8 @@ struct Addition {
     /// The heading of the recipe.
     recipe: &'static str,
     package: &'static str,
+    /// The module of the table, whose tests the addition must pass.
+    table: &'static str,
     file: (&'static str, &'static str),
     edits: &'static [Edit],
 }
@@ -23,6 +25,7 @@ struct Addition {
 const FORMAT: Addition = Addition {
     recipe: "A file format",
     package: "fairing-mesh",
+    table: "io::format::",
     file: ("crates/mesh/src/io/dummy.rs", include_str!("recipes/format.rs")),
     edits: &[
         Edit { path: "crates/mesh/src/io/mod.rs", before: "mod error;", line: "mod dummy;" },
@@ -37,6 +40,7 @@ const FORMAT: Addition = Addition {
 const ESTIMATOR: Addition = Addition {
     recipe: "An estimator of curvature",
     package: "fairing-operators",
+    table: "curvature::estimator::",
     file: ("crates/operators/src/curvature/dummy.rs", include_str!("recipes/estimator.rs")),
     edits: &[
         Edit {
@@ -66,6 +70,7 @@ const ESTIMATOR: Addition = Addition {
 const FLOW: Addition = Addition {
     recipe: "A flow",
     package: "fairing-smoothing",
+    table: "method::",
     file: ("crates/smoothing/src/flows/dummy.rs", include_str!("recipes/flow.rs")),
     edits: &[
         Edit {
@@ -94,6 +99,7 @@ const FLOW: Addition = Addition {
 const DENOISER: Addition = Addition {
     recipe: "A denoiser",
     package: "fairing-denoising",
+    table: "denoiser::",
     file: ("crates/denoising/src/dummy.rs", include_str!("recipes/denoiser.rs")),
     edits: &[
         Edit { path: "crates/denoising/src/lib.rs", before: "mod error;", line: "mod dummy;" },
@@ -152,19 +158,28 @@ fn add(addition: &Addition, folder: &Path) {
     }
 }
 
-/// Carries out the recipes in one copy; the packages must then compile without a warning.
+/// Carries out the recipes in one copy: the packages must compile without a warning and pass the
+/// tests of their tables.
 fn carry_out(additions: &[&Addition]) {
     let folder = tempfile::tempdir().unwrap();
     copy_to(folder.path());
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(["check", "--quiet", "--offline", "--target-dir"]);
-    cargo.arg(root().join("target/recipes")).env("RUSTFLAGS", "-D warnings");
+    cargo.args(["test", "--quiet", "--lib", "--offline", "--target-dir"]);
+    cargo.arg(root().join("target/recipes")).current_dir(folder.path());
+    // Little is computed, so nothing is optimised.
+    cargo.env("RUSTFLAGS", "-D warnings").env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     for addition in additions {
         add(addition, folder.path());
         cargo.args(["--package", addition.package]);
     }
-    let output = cargo.current_dir(folder.path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = cargo.arg("--").args(additions.iter().map(|a| a.table)).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    assert!(output.status.success(), "{text}");
+    // No test at all would be a wrong name of a table.
+    for run in text.lines().filter(|line| line.starts_with("test result: ")) {
+        assert!(!run.contains(" 0 passed"), "{text}");
+    }
 }
 
 /// None of these needs the solvers, so they are compiled without.

@@ -1,220 +1,175 @@
 //! The test command: everything that guards a merge.
 
 mod executables;
-mod tools;
-mod wasm;
 
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
-use crate::programs::{Program, cargo};
+use crate::programs::{REPRODUCE, cargo, on_path, succeeds};
 use crate::python::Extent;
-use crate::web::is_installed;
 use crate::{python, tidy};
 use executables::Tests;
-use tools::on_path;
 
-/// The reference values of quick runs, from the root.
-const REFERENCE: &str = "docs/reference/quick.json";
+/// Workspaces of their own, whose format is checked too.
+const OTHER_WORKSPACES: [&str; 2] = ["fuzz", "study"];
 
-/// A step that runs cargo.
-struct Step {
-    name: &'static str,
-    arguments: &'static [&'static str],
-    environment: &'static [(&'static str, &'static str)],
-}
+/// Checks by programs that need not be installed: the name, the program, and its arguments.
+const TOOLS: [(&str, &str, &[&str]); 3] = [
+    ("dependencies", "cargo-deny", &["--offline", "check", "licenses", "bans", "sources"]),
+    ("the guide as a book", "mdbook", &["build", "docs/guide"]),
+    ("workflows", "actionlint", &[]),
+];
 
-const FORMAT: Step =
-    Step { name: "format", arguments: &["fmt", "--all", "--", "--check"], environment: &[] };
-const LINTS: Step = Step {
-    name: "lints",
-    arguments: &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"],
-    environment: &[],
-};
-const DOCUMENTATION: Step = Step {
-    name: "documentation",
-    arguments: &["doc", "--workspace", "--no-deps", "--locked"],
-    environment: &[("RUSTDOCFLAGS", "-D warnings")],
-};
-/// The tests of the command line run the programs, those of the Python package load its library.
-const PROGRAMS: Step = Step {
-    name: "building the programs",
-    arguments: &["build", "--workspace", "--bins", "--lib", "--locked"],
-    environment: &[],
-};
-const EXAMPLES: Step = Step {
-    name: "examples in the documentation",
-    arguments: &["test", "--workspace", "--doc", "--locked", "--no-fail-fast"],
-    environment: &[],
-};
+/// Tests that need a program, by any of its names; they skip themselves where it is absent.
+const NEEDED: [(&str, &[&str]); 4] = [
+    ("emulation", &["qemu-x86_64"]),
+    ("the module for browsers", &["node"]),
+    ("instructions", &["valgrind"]),
+    ("browser", &["chromium", "chromium-browser", "google-chrome"]),
+];
 
 /// The number of slowest tests that are listed.
 const NAMED: usize = 10;
 
-/// The steps run so far, and those that failed.
+/// The steps run so far, those that failed, and what was skipped.
 #[derive(Default)]
 struct Log {
-    steps: Vec<(&'static str, f64)>,
-    failed: Vec<&'static str>,
+    steps: Vec<(String, f64)>,
+    failed: Vec<String>,
+    skipped: Vec<(String, String)>,
 }
 
 impl Log {
-    /// Runs a step and takes its time; it has failed unless it says `true`.
-    fn step(&mut self, name: &'static str, run: impl FnOnce() -> Result<bool>) -> Result<()> {
+    /// Runs a step and takes its time; it has failed unless it returns `true`.
+    fn step(&mut self, name: &str, run: impl FnOnce() -> Result<bool>) {
+        println!("== {name}");
         let start = Instant::now();
-        if !run()? {
-            self.failed.push(name);
+        let passed = run().unwrap_or_else(|error| {
+            eprintln!("error: {error:#}");
+            false
+        });
+        if !passed {
+            self.failed.push(name.to_owned());
         }
-        self.steps.push((name, start.elapsed().as_secs_f64()));
-        Ok(())
+        self.steps.push((name.to_owned(), start.elapsed().as_secs_f64()));
     }
 
-    fn cargo(&mut self, root: &Path, step: &Step) -> Result<()> {
-        self.step(step.name, || {
-            println!("== {}: cargo {}", step.name, step.arguments.join(" "));
-            let mut cargo = cargo(root);
-            cargo.args(step.arguments).envs(step.environment.iter().copied());
-            Ok(cargo.status().context("running cargo")?.success())
-        })
+    /// Runs a command as a step.
+    fn command(&mut self, name: &str, command: &mut Command) {
+        self.step(name, || {
+            let program = Path::new(command.get_program()).file_name().unwrap_or_default();
+            let words = [program].into_iter().chain(command.get_args());
+            println!("{}", words.map(|word| format!("{} ", word.display())).collect::<String>());
+            succeeds(command)
+        });
+    }
+
+    fn skip(&mut self, what: impl Into<String>, reason: impl Into<String>) {
+        self.skipped.push((what.into(), reason.into()));
+    }
+
+    /// Prints times, skips and failures; returns `true` if nothing failed.
+    fn close(self, tests: &Tests) -> bool {
+        let list = |title: &str, times: &[(String, f64)]| {
+            println!("== {title}");
+            times.iter().for_each(|(name, seconds)| println!("{seconds:8.1} s  {name}"));
+        };
+        list("times", &self.steps);
+        list("the slowest tests", &tests.times[..NAMED.min(tests.times.len())]);
+        for (what, why) in &self.skipped {
+            println!("skipped: {what} ({why})");
+        }
+        for name in &tests.failed {
+            eprintln!("FAILED: {name}");
+        }
+        if self.failed.is_empty() {
+            println!("All of it passed.");
+        } else {
+            eprintln!("FAILED: {}", self.failed.join(", "));
+        }
+        self.failed.is_empty()
     }
 }
 
 /// Runs all steps, even after a failure; returns `true` if none failed. Prints the time of each
-/// step, the slowest tests, and the skipped tests with the reason.
-pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
+/// step, the slowest tests, the skipped tests with the reason, and the tests that failed.
+pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
     let mut log = Log::default();
-    log.step("tidy", || tidy::run(root))?;
-    log.cargo(root, &FORMAT)?;
-    log.cargo(root, &LINTS)?;
-    log.cargo(root, &DOCUMENTATION)?;
-    log.step("dependencies for WebAssembly", || wasm::is_free_of_hostile(root))?;
-    if is_installed() {
-        log.step("libraries for WebAssembly", || wasm::compiles(root))?;
-    }
     let mut tests = Tests::default();
-    log.step("building the tests", || tests.build(root))?;
-    log.cargo(root, &PROGRAMS)?;
+    log.step("tidy", || tidy::run(root));
+    check(&mut log, root);
+    log.step("building the tests", || tests.build(root));
+    // The tests of the command line run the programs, those of the Python package load its library.
+    let programs = ["build", "--workspace", "--bins", "--lib", "--locked"];
+    log.command("building the programs", cargo(root).args(programs));
     // Tests in the browser open the page of this run.
-    if root.join(REFERENCE).is_file() {
-        log.step("reference values", || reproduces(root, &["--quick", "--check"]))?;
-        log.step("a second report, from what the first has kept", || {
-            reproduces(root, &["--quick"])
-        })?;
+    log.command("reference values", reproduce(root)?.arg("--check"));
+    log.command("a second report, from what the first has kept", &mut reproduce(root)?);
+    log.step("tests", || tests.run(root));
+    let examples = ["test", "--workspace", "--doc", "--locked", "--no-fail-fast"];
+    log.command("examples in the documentation", cargo(root).args(examples));
+    optional_features(&mut log, root);
+    let mut skipped = vec![];
+    log.step("the Python package", || python::test(root, extent, &mut skipped));
+    log.skipped.append(&mut skipped);
+    for (name, program, arguments) in TOOLS {
+        if !on_path(program) {
+            log.skip(name, format!("there is no {program} on the path"));
+            continue;
+        }
+        log.command(name, Command::new(program).args(arguments).current_dir(root));
     }
-    log.step("tests", || tests.run(root))?;
-    log.cargo(root, &EXAMPLES)?;
-    log.step("features that are off", || optional_features(root))?;
-    let mut without_python = vec![];
-    log.step("the Python package", || {
-        let extent = if whole_python { Extent::Whole } else { Extent::Quick };
-        println!("== the Python package: pytest in target/python");
-        let tested = python::test(root, extent)?;
-        without_python = tested.skipped;
-        Ok(tested.passed)
-    })?;
-    let mut missing = vec![];
-    for tools::Check { name, command } in tools::checks(root)? {
-        match command {
-            Ok(mut command) => log.step(name, || {
-                println!("== {name}: {command:?}");
-                Ok(command.status().with_context(|| format!("running {command:?}"))?.success())
-            })?,
-            Err(reason) => missing.push((name, reason)),
+    if std::env::var_os("FAIRING_MESHES").is_none_or(|name| name.is_empty()) {
+        log.skip("corpus: every test", "FAIRING_MESHES names no folder of meshes");
+    }
+    for (name, programs) in NEEDED {
+        if !programs.iter().any(|program| on_path(program)) {
+            let reason = format!("there is no {} on the path", programs[0]);
+            log.skip(format!("{name}: every test"), reason);
         }
     }
-    print_times("== times", log.steps.iter().copied());
-    print_times("== the slowest tests", tests.slowest(NAMED).iter().map(|(name, s)| (name, *s)));
-    for (what, why) in skipped(root) {
-        println!("skipped: {what} ({why})");
+    Ok(log.close(&tests))
+}
+
+/// Format, lints and documentation.
+fn check(log: &mut Log, root: &Path) {
+    log.command("format", cargo(root).args(["fmt", "--all", "--", "--check"]));
+    for folder in OTHER_WORKSPACES {
+        let manifest = format!("{folder}/Cargo.toml");
+        let format = ["fmt", "--manifest-path", &manifest, "--", "--check"];
+        log.command(&format!("format of {folder}"), cargo(root).args(format));
     }
-    for (what, why) in missing {
-        println!("skipped: {what} ({why})");
-    }
-    for (what, why) in without_python {
-        println!("skipped: {what} ({why})");
-    }
-    match log.failed.as_slice() {
-        [] => println!("All of it passed."),
-        names => eprintln!("FAILED: {}", names.join(", ")),
-    }
-    Ok(log.failed.is_empty())
+    let lints = ["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"];
+    log.command("lints", cargo(root).args(lints));
+    let documentation = ["doc", "--workspace", "--no-deps", "--locked"];
+    let mut cargo_doc = cargo(root);
+    cargo_doc.args(documentation).env("RUSTDOCFLAGS", "-D warnings");
+    log.command("documentation", &mut cargo_doc);
+}
+
+/// Quick experiments on the generated meshes, which the reference values are of.
+fn reproduce(root: &Path) -> Result<Command> {
+    let mut reproduce = Command::new(REPRODUCE.path()?);
+    reproduce.current_dir(root).env_remove("FAIRING_MESHES");
+    reproduce.args(["reproduce", "--quick", "--out"]).arg(root.join("target/quick-report"));
+    Ok(reproduce)
 }
 
 /// Tests what is behind features that are off: meshes and matrices of other crates, and, where the
 /// system has one, LAPACK as an oracle of eigenpairs.
-fn optional_features(root: &Path) -> Result<bool> {
-    let mut features = "nalgebra,parry3d,ply-rs,tobj,faer".to_owned();
-    if has_openblas() {
+fn optional_features(log: &mut Log, root: &Path) {
+    let mut features = "--features=nalgebra,parry3d,ply-rs,tobj,faer".to_owned();
+    let openblas = Command::new("pkg-config").args(["--exists", "openblas"]).status();
+    if openblas.is_ok_and(|status| status.success()) {
         features += ",lapack";
+    } else {
+        log.skip("eigenpairs against LAPACK", "pkg-config finds no openblas");
     }
-    println!("== features that are off: {features}");
     let mut cargo = cargo(root);
     cargo.args(["test", "--package=fairing-mesh", "--package=fairing-sparse", "--locked"]);
-    cargo
-        .arg("--profile=oracles")
-        .arg(format!("--features={features}"))
-        .args(["--", "conver", "lapack::"]);
-    Ok(cargo.status().context("running cargo")?.success())
-}
-
-fn print_times<Name: std::fmt::Display>(title: &str, times: impl IntoIterator<Item = (Name, f64)>) {
-    println!("{title}");
-    for (name, seconds) in times {
-        println!("{seconds:8.1} s  {name}");
-    }
-}
-
-/// Returns true if `cargo xtask reproduce` with these options writes a report.
-fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
-    let out = root.join("target/quick-report");
-    println!("== cargo xtask reproduce {} --out {}", options.join(" "), out.display());
-    let mut reproduce = Program::Reproduce.command()?;
-    // The generated meshes, which the reference values are of.
-    reproduce.env_remove("FAIRING_MESHES").current_dir(root);
-    reproduce.arg("reproduce").args(options).arg("--out").arg(&out);
-    Ok(reproduce.status().context("running the experiments")?.success())
-}
-
-/// Tests that are skipped, with the reason.
-fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
-    let mut skipped = vec![];
-    if !root.join(REFERENCE).is_file() {
-        skipped.push(("reference values", "none yet: cargo xtask reproduce --quick --accept"));
-    }
-    if std::env::var_os("FAIRING_MESHES").is_none_or(|name| name.is_empty()) {
-        skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
-    }
-    if !has_openblas() {
-        skipped.push(("eigenpairs against LAPACK", "pkg-config finds no openblas"));
-    }
-    if !is_installed() {
-        skipped.push((
-            "libraries for WebAssembly",
-            "not installed: rustup target add wasm32-unknown-unknown",
-        ));
-    }
-    if !on_path("qemu-x86_64") {
-        skipped.push(("emulation: every test", "there is no qemu-x86_64 on the path"));
-    }
-    if !on_path("node") {
-        skipped.push(("the module for browsers: every test", "there is no node on the path"));
-    }
-    if !on_path("valgrind") {
-        skipped.push(("instructions: every test", "there is no valgrind on the path"));
-    }
-    if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
-        skipped.push(("browser: every test", "there is no chromium on the path"));
-    }
-    skipped
-}
-
-/// Returns true if the feature `lapack` can be linked.
-fn has_openblas() -> bool {
-    Command::new("pkg-config")
-        .args(["--exists", "openblas"])
-        .status()
-        .is_ok_and(|status| status.success())
+    cargo.args(["--profile=oracles", &features, "--", "conver", "lapack::"]);
+    log.command("features that are off", &mut cargo);
 }

@@ -1,24 +1,19 @@
 //! The module for browsers, and the laboratory.
 
-mod strip;
 mod toolchain;
 
 use std::fs;
 use std::num::NonZeroU64;
 use std::path::Path;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use zopfli::{Format, Options};
 
-use crate::programs::cargo;
-use toolchain::Toolchain;
-pub(crate) use toolchain::{TARGET, is_installed};
+use crate::programs::{cargo, succeeds};
+use toolchain::{TARGET, Toolchain};
 
 /// The committed module, from the root.
 const COMMITTED: &str = "crates/web/assets/fairing.wasm.gz";
-
-/// The folder of everything that is built here, from the root.
-const FOLDER: &str = "target/web";
 
 /// The part of the work to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,17 +33,21 @@ const TESTS: [(&str, &[&str]); 2] =
 
 /// Builds what is asked for; returns `true` if the tests of the module and of the laboratory pass.
 pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
-    let folder = root.join(FOLDER);
+    let folder = root.join("target/web");
     fs::create_dir_all(&folder)?;
     let committed = root.join(COMMITTED);
     if extent == Extent::Page {
         return laboratory(root, &committed, &folder);
     }
-    let module = strip::stripped(&build(root, &folder)?).context("the module is damaged")?;
+    let module = build(root, &folder)?;
     let packed = folder.join("fairing.wasm.gz");
-    // Each round takes seconds and saves bytes, which count in the page that people load.
-    let rounds = if extent == Extent::Accept { 15 } else { 1 };
-    let bytes = compressed(&module, rounds)?;
+    // The default is 15 rounds, each of which takes seconds and saves bytes of the page.
+    let mut options = Options::default();
+    if extent != Extent::Accept {
+        options.iteration_count = NonZeroU64::MIN;
+    }
+    let mut bytes = vec![];
+    zopfli::compress(options, Format::Gzip, &module[..], &mut bytes)?;
     fs::write(&packed, &bytes)?;
     println!("module: {} bytes, {} compressed", module.len(), bytes.len());
     for (target, arguments) in TESTS {
@@ -56,7 +55,7 @@ pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
         // The whole workspace, as in the gate: with other features, crates compile again.
         test.args(["test", "--workspace", "--locked", "--test", target, "--"]).args(arguments);
         test.env("FAIRING_WEB_MODULE", &packed);
-        if !test.status().context("running cargo")?.success() {
+        if !succeeds(&mut test)? {
             return Ok(false);
         }
     }
@@ -72,7 +71,7 @@ fn laboratory(root: &Path, module: &Path, folder: &Path) -> Result<bool> {
     let page = folder.join("fairing.html");
     let mut program = cargo(root);
     program.args(["run", "--quiet", "--package=fairing-report", "--bin=laboratory", "--"]);
-    if !program.args([module, &page]).status().context("running cargo")?.success() {
+    if !succeeds(program.args([module, &page]))? {
         return Ok(false);
     }
     println!("{}: {} bytes", page.display(), fs::metadata(&page)?.len());
@@ -90,16 +89,6 @@ fn build(root: &Path, folder: &Path) -> Result<Vec<u8>> {
     let flags = "-Ctarget-feature=+simd128 -Clink-arg=-zstack-size=4194304";
     build.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags);
     toolchain.prepare(&mut build);
-    ensure!(build.status().context("running cargo")?.success(), "the module does not compile");
+    ensure!(succeeds(&mut build)?, "the module does not compile");
     Ok(fs::read(folder.join(TARGET).join("web/fairing_web.wasm"))?)
-}
-
-/// The bytes in the format gzip, which browsers decompress by themselves, as small as it gets in
-/// some rounds.
-fn compressed(bytes: &[u8], rounds: u64) -> Result<Vec<u8>> {
-    let mut packed = vec![];
-    let iteration_count = NonZeroU64::new(rounds).context("no rounds")?;
-    let options = Options { iteration_count, ..Options::default() };
-    zopfli::compress(options, Format::Gzip, bytes, &mut packed)?;
-    Ok(packed)
 }

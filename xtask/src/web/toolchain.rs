@@ -1,13 +1,25 @@
 //! A compiler for WebAssembly: that of rustup, or Debian's packages in a folder of their own.
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Result, ensure};
 
-pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
+use crate::programs::succeeds;
+
+pub(super) const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Unpacks Debian's compiler and the linker of its version of LLVM into the current folder.
+const FETCH: &str = r#"
+dependency() { apt-cache depends "$1" | sed -n "s/^ *Depends: \($2[0-9.]*\)$/\1/p" | head -n 1; }
+library=$(dependency libstd-rust-web-dev libstd-rust-web-)
+llvm=$(dependency "$library" libllvm)
+version=${llvm#libllvm}
+apt-get download rustc-web libstd-rust-web-dev rust-web-src "$library" "$llvm" "lld-$version"
+for package in *.deb; do dpkg -x "$package" .; rm "$package"; done
+mv "usr/bin/wasm-ld-$version" usr/bin/wasm-ld
+"#;
 
 /// A compiler with the target.
 pub(super) enum Toolchain {
@@ -18,7 +30,7 @@ pub(super) enum Toolchain {
 }
 
 /// Returns true if the compiler that runs us has the target.
-pub(crate) fn is_installed() -> bool {
+fn is_installed() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output =
         Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
@@ -34,16 +46,19 @@ impl Toolchain {
         if is_installed() {
             return Ok(Self::Installed);
         }
-        let root = folder.join("usr");
-        if !folder.join("complete").is_file() {
-            fetch(folder).with_context(|| {
-                format!(
-                    "the target {TARGET} is not installed (rustup target add {TARGET}), and \
-                     Debian's packages, which would do as well, cannot be fetched"
-                )
-            })?;
+        let linker = folder.join("usr/bin/wasm-ld");
+        if !linker.exists() {
+            println!("fetching Debian's compiler for {TARGET} into {}", folder.display());
+            let _ = fs::remove_dir_all(folder);
+            fs::create_dir_all(folder)?;
+            let fetched = succeeds(Command::new("sh").args(["-ec", FETCH]).current_dir(folder));
+            ensure!(
+                fetched.is_ok_and(|fetched| fetched) && linker.exists(),
+                "the target {TARGET} is not installed (rustup target add {TARGET}), and Debian's \
+                 packages, which would do as well, cannot be fetched"
+            );
         }
-        Ok(Self::Unpacked(root))
+        Ok(Self::Unpacked(folder.join("usr")))
     }
 
     /// Makes cargo use this compiler.
@@ -60,48 +75,4 @@ impl Toolchain {
         // The packages have the source of the standard library only.
         cargo.env("RUSTC_BOOTSTRAP", "1").arg("-Zbuild-std=std,panic_abort");
     }
-}
-
-/// Unpacks Debian's compiler for browsers, and its linker.
-fn fetch(folder: &Path) -> Result<()> {
-    let _ = fs::remove_dir_all(folder);
-    fs::create_dir_all(folder)?;
-    let library = dependency("libstd-rust-web-dev", "libstd-rust-web-")?;
-    let llvm = dependency(&library, "libllvm")?;
-    let version = llvm.trim_start_matches("libllvm").to_owned();
-    let linker = format!("lld-{version}");
-    let packages = ["rustc-web", "libstd-rust-web-dev", "rust-web-src", &library, &llvm, &linker];
-    println!("fetching {}", packages.join(", "));
-    run(Command::new("apt-get").arg("download").args(packages).current_dir(folder))?;
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "deb") {
-            run(Command::new("dpkg").arg("-x").arg(&path).arg(folder))?;
-            fs::remove_file(&path)?;
-        }
-    }
-    let versioned = folder.join(format!("usr/bin/wasm-ld-{version}"));
-    ensure!(versioned.exists(), "{linker} has no {}", versioned.display());
-    fs::rename(versioned, folder.join("usr/bin/wasm-ld"))?;
-    Ok(fs::write(folder.join("complete"), "")?)
-}
-
-/// The package with this prefix on which a package depends.
-fn dependency(package: &str, prefix: &str) -> Result<String> {
-    let mut command = Command::new("apt-cache");
-    let output = command.args(["depends", package]).output().context("running apt-cache")?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let names = text.lines().filter_map(|line| line.trim().strip_prefix("Depends: "));
-    match names.map(str::to_owned).find(|name| name.starts_with(prefix)) {
-        Some(name) => Ok(name),
-        None => bail!("apt knows no package {package} that depends on {prefix}…: apt-get update"),
-    }
-}
-
-fn run(command: &mut Command) -> Result<()> {
-    let name: OsString = command.get_program().to_owned();
-    let output = command.output().with_context(|| format!("running {}", name.display()))?;
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    ensure!(output.status.success(), "{}: {}", name.display(), said.trim());
-    Ok(())
 }
