@@ -7,9 +7,9 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::error::DenoiseError;
 use super::faces::{HUB, Marks, search};
-use super::{DenoiseError, Masked};
-use crate::masked::on_oriented;
+use super::masked::{Masked, on_oriented};
 
 fairing_parameters::options! {
     /// Options of [`bilateral`].
@@ -65,9 +65,12 @@ fn filter(input: Masked<'_>, options: &BilateralOptions) -> Result<TriMesh, Deno
             .into_par_iter()
             .map_init(
                 || (vec![], Marks::new(current.vertex_count())),
-                |scratch, v| match input.is_fixed(v as usize) {
-                    true => current.positions()[v as usize],
-                    false => move_vertex(&current, v, spatial, options.range, scratch),
+                |scratch, v| {
+                    if input.is_fixed(v as usize) {
+                        current.positions()[v as usize]
+                    } else {
+                        move_vertex(&current, v, spatial, options.range, scratch)
+                    }
                 },
             )
             .collect();

@@ -3,13 +3,20 @@
 use fairing_mesh::TriMesh;
 
 use crate::automatic::{AutomaticOptions, automatic};
-use crate::{
-    BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError,
-    FastEffectiveOptions, GuidedNormalOptions, L0Options, Masked, NonIterativeOptions,
-    TotalGeneralisedVariationOptions, TotalVariationOptions, bilateral, bilateral_normal,
-    bilateral_normal_global, fast_effective, guided_normal, l0, non_iterative,
-    total_generalised_variation, total_variation,
+use crate::bilateral::{BilateralOptions, bilateral};
+use crate::bilateral_normal::{
+    BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,
 };
+use crate::error::DenoiseError;
+use crate::fast_effective::{FastEffectiveOptions, fast_effective};
+use crate::guided_normal::{GuidedNormalOptions, guided_normal};
+use crate::l0::{L0Options, l0};
+use crate::masked::Masked;
+use crate::non_iterative::{NonIterativeOptions, non_iterative};
+use crate::total_generalised_variation::{
+    TotalGeneralisedVariationOptions, total_generalised_variation,
+};
+use crate::total_variation::{TotalVariationOptions, total_variation};
 
 fairing_parameters::algorithms! {
     /// A denoiser, with its options.

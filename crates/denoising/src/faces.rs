@@ -221,6 +221,13 @@ impl FaceLists {
         &self.items[self.range(f)]
     }
 
+    /// The mean of the numbers of face `f` and of those in its row.
+    pub(crate) fn mean(&self, numbers: &[f64], f: usize) -> f64 {
+        let row = self.row(f);
+        let sum: f64 = numbers[f] + row.iter().map(|&g| numbers[g as usize]).sum::<f64>();
+        sum / (row.len() + 1) as f64
+    }
+
     /// The range of the row of face `f` in the list of all rows.
     pub(crate) fn range(&self, f: usize) -> Range<usize> {
         self.offsets[f]..self.offsets[f + 1]
@@ -282,6 +289,12 @@ impl FaceShapes {
             .collect();
         Self { areas, normals, centroids }
     }
+}
+
+/// The longest side of face `f`.
+pub(crate) fn longest_side(mesh: &TriMesh, f: usize) -> f64 {
+    let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+    a.distance(b).max(b.distance(c)).max(c.distance(a))
 }
 
 /// The mean distance of the centroids across hinges, in mesh units; zero

@@ -4,10 +4,10 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
 use rayon::prelude::*;
 
+use super::error::DenoiseError;
 use super::faces::{FaceLists, FaceShapes};
+use super::masked::{Masked, on_oriented};
 use super::vertex_update::follow_normals;
-use super::{DenoiseError, Masked};
-use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`fast_effective`].

@@ -7,10 +7,10 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::error::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
+use super::masked::{Masked, on_oriented};
 use super::vertex_update::follow_normals;
-use super::{DenoiseError, Masked};
-use crate::masked::on_oriented;
 
 fairing_parameters::options! {
     /// Options of [`guided_normal`].

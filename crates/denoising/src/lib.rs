@@ -22,6 +22,7 @@ mod automatic;
 mod bilateral;
 mod bilateral_normal;
 mod denoiser;
+mod disjoint;
 mod error;
 mod faces;
 mod fast_effective;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;
 
-use super::DenoiseError;
+use super::error::DenoiseError;
 
 /// A mesh, and the vertices of it that a denoiser does not move.
 ///

@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Masked;
+use super::masked::Masked;
 use super::noise_scale::{GAUSSIAN_MEDIAN, Growth, quadric_residual, residual};
 use fairing_operators::tangent_frame;
 use fairing_sparse::median;
@@ -33,7 +33,7 @@ const NEAREST: usize = 10;
 
 /// The relative difference below which squared distances are equal, so that rounding does not
 /// decide between two points.
-const ALIKE_FAR: f64 = 1e-9;
+const DISTANCE_ROUNDING: f64 = 1e-9;
 
 /// A fit counts if it has residuals at this fraction of the vertices that have a quadric fitted to
 /// their two-ring.
@@ -143,7 +143,7 @@ pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
 
 /// The levels of a part within this factor of each other count as the same:
 /// estimates from a few dozen vertices differ by as much as two.
-const ALIKE: f64 = 4.0;
+const LEVEL_RATIO: f64 = 4.0;
 
 /// The connected parts of a mesh, put together where their noise is about the
 /// same, those with most of it first.
@@ -157,13 +157,7 @@ pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
     let input = mesh.into();
     let oriented = input.mesh().oriented();
     let mesh = &*oriented;
-    let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .map_init(Scratch::default, |scratch, v| match input.is_fixed(v as usize) {
-            true => Default::default(),
-            false => leave_one_out(mesh, v, scratch),
-        })
-        .collect();
+    let residuals = residuals(input.on(mesh));
     let components = mesh.topology().components();
     let mut of_part = vec![Sizes::default(); components.count()];
     for (v, residuals) in residuals.iter().enumerate() {
@@ -184,8 +178,9 @@ pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
     let mut groups: Vec<NoisyParts> = vec![];
     while let Some(first) = most_noise(&left) {
         let sigma = left[first].2.sigma;
-        let alike =
-            |level: &NoiseEstimate| level.sigma * ALIKE >= sigma && level.sigma <= ALIKE * sigma;
+        let alike = |level: &NoiseEstimate| {
+            level.sigma * LEVEL_RATIO >= sigma && level.sigma <= LEVEL_RATIO * sigma
+        };
         let (group, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|(.., l)| alike(l));
         left = rest;
         let mut components: Vec<u32> = group.iter().map(|(part, ..)| *part).collect();
@@ -266,13 +261,9 @@ impl LocalResiduals {
     pub(crate) fn new(input: Masked<'_>, level: &NoiseEstimate) -> Self {
         let mesh = input.mesh();
         let sigma = (level.sigma * level.two_ring_ratio).max(f64::MIN_POSITIVE);
-        let residuals: Vec<Option<f64>> = (0..mesh.vertex_count() as u32)
-            .into_par_iter()
-            .map_init(Scratch::default, |scratch, v| match input.is_fixed(v as usize) {
-                true => None,
-                false => leave_one_out(mesh, v, scratch)[0].map(|r| r / sigma),
-            })
-            .collect();
+        let of_fits = residuals(input);
+        let residuals: Vec<Option<f64>> =
+            of_fits.into_iter().map(|[two_ring, ..]| two_ring.map(|r| r / sigma)).collect();
         let terms: Vec<[f64; 3]> = (0..mesh.vertex_count() as u32)
             .into_par_iter()
             .map(|v| {
@@ -338,6 +329,18 @@ struct Scratch {
     squares: Vec<f64>,
 }
 
+/// The residuals of each vertex that may move, as [`leave_one_out`]; `None` at the others.
+fn residuals(input: Masked<'_>) -> Vec<[Option<f64>; FITS]> {
+    let mesh = input.mesh();
+    let at = |scratch: &mut Scratch, v: u32| {
+        if input.is_fixed(v as usize) {
+            return [None; FITS];
+        }
+        leave_one_out(mesh, v, scratch)
+    };
+    (0..mesh.vertex_count() as u32).into_par_iter().map_init(Scratch::default, at).collect()
+}
+
 /// The residuals of vertex `v` from the fits to its neighbours, each standardised
 /// to the variance of the noise.
 fn leave_one_out(mesh: &TriMesh, v: u32, scratch: &mut Scratch) -> [Option<f64>; FITS] {
@@ -392,7 +395,7 @@ fn two_ring_residuals(
         squares.clear();
         squares.extend(points.iter().map(square));
         let (_, tenth, _) = squares.select_nth_unstable_by(NEAREST - 1, f64::total_cmp);
-        let far = *tenth * (1.0 + ALIKE_FAR);
+        let far = *tenth * (1.0 + DISTANCE_ROUNDING);
         points.retain(|p| square(p) <= far);
     }
     let nearest = quadric_residual(points);
@@ -477,7 +480,7 @@ mod tests {
     /// Independent noise correlates as the fits make it; means over neighbours correlate more, and
     /// so do waves that a quadric misses. A level that varies leaves more small residuals.
     #[test]
-    fn correlated_and_varying_noise_are_told() {
+    fn correlated_and_varying_noise_are_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let independent = noise_level(&grid(|| 0.1 * gaussian(&mut rng))).unwrap();
         assert!((-0.4..-0.1).contains(&independent.correlation), "{independent:?}");
@@ -520,7 +523,7 @@ mod tests {
     }
 
     #[test]
-    fn impulses_are_told_from_gaussian_noise() {
+    fn impulses_differ_from_gaussian_noise() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let spikes = grid(|| {
             let hit = rng.random::<f64>() < 0.25;

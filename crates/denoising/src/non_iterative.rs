@@ -7,9 +7,9 @@ use fairing_parameters::{Options, Range};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::error::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Marks, search};
-use super::{DenoiseError, Masked};
-use crate::masked::on_oriented;
+use super::masked::{Masked, on_oriented};
 
 fairing_parameters::options! {
     /// Options of [`non_iterative`].

@@ -5,8 +5,8 @@ use fairing_parameters::ParameterError;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{DenoiseError, Masked};
-use crate::masked::on_oriented;
+use super::error::DenoiseError;
+use super::masked::{Masked, on_oriented};
 
 /// Moves the vertices of `mesh` so that the face normals approach `normals`
 /// (unit vectors, one per face; zero for a face that is to have no say).

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fairing_mesh::TriMesh;
 
-use crate::EvaluationError;
+use crate::error::EvaluationError;
 
 /// Checks that elements of the same number can be compared: the same number of
 /// vertices, and faces with the same corners, however they are wound.
@@ -48,12 +48,11 @@ pub(crate) fn in_one_winding<'a>(
     let reference = reference.oriented();
     let same = Arc::ptr_eq(mesh.connectivity(), reference.connectivity())
         || mesh.faces() == reference.faces();
-    let mesh = match same {
-        true => Cow::Borrowed(mesh),
-        false => {
-            let positions = mesh.positions().to_vec();
-            Cow::Owned(reference.with_positions(positions).map_err(EvaluationError::Positions)?)
-        }
+    let mesh = if same {
+        Cow::Borrowed(mesh)
+    } else {
+        let positions = mesh.positions().to_vec();
+        Cow::Owned(reference.with_positions(positions).map_err(EvaluationError::Positions)?)
     };
     Ok((mesh, reference))
 }

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_operators::curvature::mean_curvature;
 use fairing_operators::{LumpedArea, lumped_mass};
 
-use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
+use crate::error::EvaluationError;
 
 /// The relative error of the pointwise mean curvature (cotangents over mixed
 /// areas) in the mean square over the surface of the reference,

@@ -1,7 +1,8 @@
 //! Distances between surfaces.
 
 use crate::correspondence::check_correspondence;
-use crate::{EvaluationError, SurfaceTree};
+use crate::error::EvaluationError;
+use crate::surface_tree::SurfaceTree;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 

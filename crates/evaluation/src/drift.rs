@@ -6,8 +6,8 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
+use crate::error::EvaluationError;
 
 /// The relative changes of sizes, `x / x_reference − 1`: zero for equal sizes,
 /// negative if the mesh shrank, unchanged if both meshes are scaled.

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;
 use glam::DVec3;
 
-use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
+use crate::error::EvaluationError;
 
 /// Counts of sharp edges that a mesh shares with a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ impl FeatureEdges {
     }
 
     /// The F-score, the harmonic mean of precision and recall: 1 where both have the same sharp
-    /// edges, 0 where they share none. Unlike recall, it falls where noise makes further edges
+    /// edges, 0 where none is shared. Unlike recall, it falls where noise makes further edges
     /// sharp. `None` if the reference has none.
     pub fn f_score(&self) -> Option<f64> {
         let both = (self.found + self.expected) as f64;

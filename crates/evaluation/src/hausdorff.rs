@@ -6,8 +6,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::distance::tree;
+use crate::error::EvaluationError;
+use crate::surface_tree::SurfaceTree;
 use crate::triangle::squared_distance;
-use crate::{EvaluationError, SurfaceTree};
 
 /// The smallest tolerance, relative to the largest coordinate: midpoints are off
 /// by half a rounding of each coordinate, distances by a few.

@@ -1,5 +1,5 @@
-//! Vertices of so many faces that the boxes around these overlap in most pairs; the directions in
-//! which the vertex sees them do not.
+//! Vertices of many faces: the boxes around these faces overlap in most pairs, but the directions
+//! in which the vertex sees them do not.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;

@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{NormalWeight, face_normals, weighted_vertex_normals};
 use glam::DVec3;
 
-use crate::Closest;
+use crate::surface_tree::Closest;
 
 /// The barycentric coordinate below which a closest point lies on the opposite side of its face.
 const ON_SIDE: f64 = 1e-9;

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
+use crate::error::EvaluationError;
 
 /// E_a: angles between the normals of matching faces, in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,7 @@ use fairing_parameters::ParameterError;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::EvaluationError;
+use crate::error::EvaluationError;
 use crate::noise::camera_and_centre;
 
 /// The pixels along either side of a depth image.
@@ -169,9 +169,10 @@ impl Camera {
             }
             pixel = pixel.max(2.0 * (x / z).abs() / columns).max(2.0 * (y / z).abs() / rows);
         }
-        match pixel.is_finite() && pixel > 0.0 {
-            true => Ok(pixel),
-            false => Err(self.no_view("sees the mesh as a point")),
+        if pixel.is_finite() && pixel > 0.0 {
+            Ok(pixel)
+        } else {
+            Err(self.no_view("sees the mesh as a point"))
         }
     }
 

@@ -5,13 +5,14 @@ use std::fmt;
 use fairing_mesh::TriMesh;
 use fairing_parameters::Range;
 
-use crate::distance::{self, tree};
-use crate::hausdorff;
-use crate::{
-    Drift, EvaluationError, FeatureEdges, Hausdorff, NormalAngles, SurfaceDistance,
-    VertexDisplacement, curvature_error, drift, feature_edges, flipped_faces, normal_error,
-    self_intersections, vertex_displacement,
-};
+use crate::curvature_error::curvature_error;
+use crate::distance::{self, SurfaceDistance, VertexDisplacement, tree, vertex_displacement};
+use crate::drift::{Drift, drift, flipped_faces};
+use crate::error::EvaluationError;
+use crate::features::{FeatureEdges, feature_edges};
+use crate::hausdorff::{self, Hausdorff};
+use crate::intersections::self_intersections;
+use crate::normal_error::{NormalAngles, normal_error};
 
 /// Settings of the scores.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +97,7 @@ impl fmt::Display for ScoreUnit {
 pub struct Score {
     /// A name for machines, in lower case with underscores.
     pub name: &'static str,
-    /// A name for people.
+    /// A name to display, with spaces.
     pub label: &'static str,
     /// The unit of the value.
     pub unit: ScoreUnit,

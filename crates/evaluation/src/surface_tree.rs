@@ -18,7 +18,7 @@ use fairing_mesh::{TriMesh, hilbert};
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
-use crate::EvaluationError;
+use crate::error::EvaluationError;
 use crate::hub::{by_hub, seen};
 use crate::triangle::{closest_point, squared_distance};
 

@@ -43,11 +43,6 @@ pub enum Viewpoint {
 }
 
 impl Viewpoint {
-    /// The six directions along the axes, in the order in which a sheet shows
-    /// them.
-    pub const SIX: [Self; 6] =
-        [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom];
-
     /// All that have a name.
     pub const ALL: [Self; 8] = [
         Self::Front,

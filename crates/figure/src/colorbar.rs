@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_bar_of_few_values_shows_them_and_no_others() {
         let values: Vec<f64> = (0..30).map(|i| [0.0, 382.0, 763.0][i % 3]).collect();
-        let scale = Scale::new(&[&Field::new(&values)], &ScaleOptions::ASSIGNMENT).unwrap();
+        let scale = Scale::new(&[&Field::new(&values)], &ScaleOptions::EQUALIZED_HUE).unwrap();
         let colors = [0.0, 382.0, 763.0].map(|x| scale.color(x));
         let bar = ColorBar { scale, quantity: "K".into(), unit: String::new() };
         let drawn = bar.draw(300.0);

@@ -153,9 +153,10 @@ impl Figure {
         }
         // The number is set in bold, which is wider: its lines are broken
         // with no-break spaces in its place.
-        let lead = match self.number.is_empty() {
-            true => 0.0,
-            false => width(&format!("{} ", self.number), CAPTION, Style::Bold) + 0.35 * CAPTION,
+        let lead = if self.number.is_empty() {
+            0.0
+        } else {
+            width(&format!("{} ", self.number), CAPTION, Style::Bold) + 0.35 * CAPTION
         };
         let mut words = self.caption.split_whitespace().peekable();
         let mut first = String::new();

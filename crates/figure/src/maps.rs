@@ -23,8 +23,7 @@ pub enum ColorMap {
     /// [moreland2009]: https://doi.org/10.1007/978-3-642-10520-3_9
     CoolWarm,
     /// The hues of HSV at full saturation from blue (low) over green to red
-    /// (high): the map of the assignment. Neither uniform nor safe for
-    /// colour-blind people.
+    /// (high). Neither uniform nor safe for colour-blind people.
     Hue,
 }
 

@@ -1,4 +1,4 @@
-//! Numbers formatted for people.
+//! Numbers formatted for labels and captions.
 
 /// A real minus sign; a hyphen is shorter than a plus.
 const MINUS: char = '\u{2212}';

@@ -165,9 +165,10 @@ impl Raster {
             for y in span([p[1], q[1], r[1]], first_row, last_row) {
                 let py = y as f64 + 0.5;
                 let row = (y - first_row) * self.width;
-                let columns = match all_columns.len() > WIDE {
-                    true => columns([p, q, r], py, self.width),
-                    false => all_columns.clone(),
+                let columns = if all_columns.len() > WIDE {
+                    columns([p, q, r], py, self.width)
+                } else {
+                    all_columns.clone()
                 };
                 for x in columns {
                     let px = x as f64 + 0.5;

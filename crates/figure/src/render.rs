@@ -108,9 +108,8 @@ fn check(
     if !side.contains(&width) || !side.contains(&height) || !(1..=8).contains(&samples) {
         return Err(FigureError::Size { width, height, samples });
     }
-    let expect = |what, expected, found| match expected == found {
-        true => Ok(()),
-        false => Err(FigureError::Count { what, expected, found }),
+    let expect = |what, expected, found| {
+        if expected == found { Ok(()) } else { Err(FigureError::Count { what, expected, found }) }
     };
     match colors {
         Colors::Uniform(_) => {}

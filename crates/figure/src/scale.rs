@@ -75,9 +75,8 @@ pub struct ScaleOptions {
 }
 
 impl ScaleOptions {
-    /// The recipe of the assignment: normalised by the full range, histogram
-    /// equalised, mapped to the hue of HSV.
-    pub const ASSIGNMENT: Self = Self {
+    /// The full range, histogram equalised, mapped to the hue of HSV ([`ColorMap::Hue`]).
+    pub const EQUALIZED_HUE: Self = Self {
         map: ColorMap::Hue,
         limits: Limits::Full,
         center: Center::Free,
@@ -358,7 +357,7 @@ mod tests {
     #[test]
     fn rounding_errors_stay_invisible() {
         let values = [1.0, 1.0 + 1e-15, 1.0 - 1e-15];
-        let s = scale(&values, ScaleOptions { resolution: 1e-6, ..ScaleOptions::ASSIGNMENT });
+        let s = scale(&values, ScaleOptions { resolution: 1e-6, ..ScaleOptions::EQUALIZED_HUE });
         let colors = s.colors(&Field::new(&values));
         assert!((s.high() - s.low() - 1e-6).abs() < 1e-15);
         // All three share one bin.
@@ -367,7 +366,7 @@ mod tests {
 
     #[test]
     fn a_constant_field_is_in_the_middle() {
-        let s = scale(&[4.0; 9], ScaleOptions::ASSIGNMENT);
+        let s = scale(&[4.0; 9], ScaleOptions::EQUALIZED_HUE);
         assert_eq!(s.position(4.0), 0.5);
     }
 
@@ -401,7 +400,7 @@ mod tests {
             power in 0.5f64..3.0,
         ) {
             let values: Vec<f64> = values.iter().map(|x| x.signum() * x.abs().powf(power)).collect();
-            let s = scale(&values, ScaleOptions::ASSIGNMENT);
+            let s = scale(&values, ScaleOptions::EQUALIZED_HUE);
             let width = (s.high() - s.low()) / BINS as f64;
             for t in [0.1, 0.25, 0.5, 0.75, 0.9] {
                 let below = values.iter().filter(|&&x| s.position(x) < t).count() as f64;
@@ -419,7 +418,7 @@ mod tests {
             equalized: bool,
         ) {
             let spread = if equalized { Spread::Equalized } else { Spread::Linear };
-            let s = scale(&values, ScaleOptions { spread, ..ScaleOptions::ASSIGNMENT });
+            let s = scale(&values, ScaleOptions { spread, ..ScaleOptions::EQUALIZED_HUE });
             let mut sorted = values.clone();
             sorted.sort_unstable_by(f64::total_cmp);
             prop_assert!(sorted.is_sorted_by_key(|&x| s.position(x)));

@@ -122,7 +122,7 @@ fn what_cannot_be_plotted_is_refused() {
 #[test]
 fn the_bar_shows_the_colours_of_its_values() {
     let values: Vec<f64> = (0..1000).map(|i| (f64::from(i) / 999.0).powi(3)).collect();
-    for options in [ScaleOptions::ASSIGNMENT, ScaleOptions::MAGNITUDE] {
+    for options in [ScaleOptions::EQUALIZED_HUE, ScaleOptions::MAGNITUDE] {
         let options = ScaleOptions { limits: Limits::Full, ..options };
         let scale = Scale::new(&[&Field::new(&values)], &options).unwrap();
         let bar = ColorBar { scale: scale.clone(), quantity: "x".into(), unit: String::new() };

@@ -67,20 +67,10 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 ///
 /// Faces count as [oriented](TriMesh::oriented). On a
 /// [one-sided](TriMesh::one_sided_faces) part, whose normals have no sign, each
-/// is one of the two.
+/// is one of the two: faces around a vertex count with the side of the first of them.
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
-    match mesh.double_cover() {
-        Some((cover, above)) => {
-            let mut normals = normals_as_wound(&cover, weight);
-            normals.truncate(above.len());
-            normals
-        }
-        None => normals_as_wound(&mesh.oriented(), weight),
-    }
-}
-
-/// The normals with every face as it is wound.
-fn normals_as_wound(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
+    let mesh = &*mesh.oriented();
+    let has_two_sides = mesh.one_sided_faces().is_empty();
     let vectors: Vec<DVec3> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
@@ -91,22 +81,25 @@ fn normals_as_wound(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
         .collect();
     let incidence = mesh.incidence();
     let at_vertex = |v: u32| {
-        let sum: DVec3 = incidence
-            .corners(v)
+        let corners = incidence.corners(v);
+        let sum: DVec3 = corners
             .iter()
             .map(|&c| {
                 let f = c as usize / 3;
+                let first = vectors[corners[0] as usize / 3];
+                let is_same_side = has_two_sides || vectors[f].dot(first) >= 0.0;
+                let vector = if is_same_side { vectors[f] } else { -vectors[f] };
                 match weight {
-                    NormalWeight::Area | NormalWeight::Uniform => vectors[f],
+                    NormalWeight::Area | NormalWeight::Uniform => vector,
                     NormalWeight::Sphere => {
                         let sides = FaceCorners::new(mesh.triangle(f)).squared_sides();
                         let k = c as usize % 3;
                         let squares = sides[(k + 1) % 3] * sides[(k + 2) % 3];
-                        if squares > 0.0 { vectors[f] * (1.0 / squares) } else { DVec3::ZERO }
+                        if squares > 0.0 { vector * (1.0 / squares) } else { DVec3::ZERO }
                     }
                     NormalWeight::Angle => {
                         let (x, y) = FaceCorners::new(mesh.triangle(f)).turn(c as usize % 3);
-                        libm::atan2(y, x) * vectors[f]
+                        libm::atan2(y, x) * vector
                     }
                 }
             })
@@ -132,9 +125,10 @@ pub(crate) fn smoothed_normals(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<DVec
         let mean = |v: usize| {
             let neighbors = topology.neighbors(v as u32);
             let sum: DVec3 = neighbors.iter().map(|&w| smooth[w as usize]).sum();
-            match normals[v] == [0.0; 3] {
-                true => DVec3::ZERO,
-                false => (smooth[v] + sum).try_normalize().unwrap_or(smooth[v]),
+            if normals[v] == [0.0; 3] {
+                DVec3::ZERO
+            } else {
+                (smooth[v] + sum).try_normalize().unwrap_or(smooth[v])
             }
         };
         smooth = (0..smooth.len()).into_par_iter().with_min_len(1024).map(mean).collect();
@@ -184,7 +178,7 @@ mod tests {
         assert!(vertex_normals(&mesh)[0][2] < 1.0 - 1e-4);
     }
 
-    /// The double cover is one-sided itself here, because of edges with more than two faces.
+    /// A one-sided soup, with edges of more than two faces.
     #[test]
     fn one_sided_soups_have_normals() {
         #[rustfmt::skip]
@@ -199,8 +193,7 @@ mod tests {
         ];
         let positions = positions.iter().map(|p| p.map(f64::from)).collect();
         let soup = TriMesh::new(positions, faces).unwrap();
-        let (cover, _) = soup.double_cover().unwrap();
-        assert!(cover.double_cover().is_some());
+        assert!(!soup.one_sided_faces().is_empty());
         let lengths = vertex_normals(&soup).into_iter().map(|n| DVec3::from(n).length());
         assert!(lengths.into_iter().all(|length| (length - 1.0).abs() < 1e-12));
     }

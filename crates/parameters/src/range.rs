@@ -73,9 +73,10 @@ impl Range {
     ///
     /// [`ParameterError`] with the name of the option, the number and the range.
     pub fn check(&self, option: &'static str, value: f64) -> Result<(), ParameterError> {
-        match self.contains(value) {
-            true => Ok(()),
-            false => Err(ParameterError::range(option, value, self.to_string())),
+        if self.contains(value) {
+            Ok(())
+        } else {
+            Err(ParameterError::range(option, value, self.to_string()))
         }
     }
 }

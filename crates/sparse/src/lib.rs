@@ -52,6 +52,6 @@ pub use laplacian_power::LaplacianPower;
 pub use mass::{Mass, combine};
 pub use matrix::{SparseMatrix, from_csr, from_triplets, principal_submatrix};
 pub use ndarray;
-pub use order::{larger, median, smaller};
+pub use order::{larger, median, smaller, upper_median};
 pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};
 pub use sprs;

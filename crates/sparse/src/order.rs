@@ -21,6 +21,13 @@ pub fn median(ascending: &[f64]) -> Option<f64> {
     Some(0.5 * ascending.get(n.checked_sub(1)? / 2)? + 0.5 * ascending[n / 2])
 }
 
+/// The middle of values in any order, the larger of the two middle ones if their number is even;
+/// `None` of no values. Linear cost.
+pub fn upper_median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +49,7 @@ mod tests {
         assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
         assert_eq!(median(&[1.0, 2.0, 9.0]), Some(2.0));
         assert_eq!((median(&[7.0]), median(&[])), (Some(7.0), None));
+        assert_eq!(upper_median(vec![9.0, 1.0, 4.0, 2.0]), Some(4.0));
+        assert_eq!((upper_median(vec![7.0]), upper_median(vec![])), (Some(7.0), None));
     }
 }

@@ -51,10 +51,8 @@ impl HeatDiffusion {
         let mass = laplacian.positive_mass()?.into_owned();
         let (weights, diagonal) = (mass.lumped(), laplacian.stiffness().diag());
         let is_long = |(v, &s): (usize, &f64)| time * s > LONG * weights[v];
-        let (scale, time) = match diagonal.iter().any(is_long) {
-            true => (1.0 / time, 1.0),
-            false => (1.0, time),
-        };
+        let (scale, time) =
+            if diagonal.iter().any(is_long) { (1.0 / time, 1.0) } else { (1.0, time) };
         let matrix = combine(scale, mass.as_mass(), time, laplacian.stiffness());
         let added = weights.iter().map(|m| scale * m).collect();
         let given = vec![false; weights.len()];

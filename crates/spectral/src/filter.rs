@@ -20,7 +20,7 @@ pub struct Filtered {
 }
 
 /// Responses that differ by less than this fraction of the largest count as equal.
-const ALIKE: f64 = 1e-3;
+const EQUAL_RESPONSES: f64 = 1e-3;
 
 /// Treatment of the part of a field outside the computed modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ impl Spectrum {
     /// The first cluster whose modes have different responses.
     fn split_by(&self, responses: &[f64], beyond: f64) -> Option<Split> {
         let largest = responses.iter().fold(beyond.abs(), |m: f64, r| m.max(r.abs()));
-        let differ = |a: f64, b: f64| (a - b).abs() > ALIKE * largest;
+        let differ = |a: f64, b: f64| (a - b).abs() > EQUAL_RESPONSES * largest;
         for cluster in self.clusters() {
             let inside = &responses[cluster.clone()];
             let goes_on = cluster.end == self.len() && self.split(self.len()).is_some();

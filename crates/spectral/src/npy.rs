@@ -70,9 +70,10 @@ impl Npy {
     /// Keeps the memory order of the matrix.
     pub(crate) fn matrix(matrix: &Array2<f64>) -> Self {
         let by_columns = !matrix.is_standard_layout();
-        let values = match by_columns {
-            true => matrix.t().iter().copied().collect(),
-            false => matrix.iter().copied().collect(),
+        let values = if by_columns {
+            matrix.t().iter().copied().collect()
+        } else {
+            matrix.iter().copied().collect()
         };
         let shape = vec![matrix.nrows(), matrix.ncols()];
         Self { numbers: Numbers::Floats(values), shape, by_columns }

@@ -71,7 +71,7 @@ struct Group {
     alike: [Lanes; RANGES],
     /// The trust in positions.
     trust: Lanes,
-    /// Those of the noisy centroids, along the axes of the face in the middle.
+    /// The moments of the noisy centroids, along the axes of the face in the middle.
     moments: [Moments; LANES],
 }
 

@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use fairing_mesh::TriMesh;
-use glam::DVec3;
+use fairing_sparse::upper_median;
 use rayon::prelude::*;
 
-use super::state::{State, median, root_mean_square};
-use crate::NoiseEstimate;
+use super::follow::offsets_along;
+use super::state::{State, root_mean_square};
+use crate::noise_level::NoiseEstimate;
 
 /// The least number of border vertices of an open surface, as a multiple of the root of the number
 /// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
@@ -54,7 +55,7 @@ pub(super) fn correlation_across_edges(state: &State<'_>) -> f64 {
 /// zero.
 fn across_edges(mesh: &TriMesh, mut numbers: Vec<f64>, is_free: impl Fn(usize) -> bool) -> f64 {
     let sizes = (0..).zip(&numbers).filter(|(v, _)| is_free(*v)).map(|(_, x)| x.abs());
-    let most = median(sizes.collect());
+    let most = upper_median(sizes.collect()).unwrap_or(0.0);
     if most == 0.0 {
         return 0.0;
     }
@@ -81,19 +82,13 @@ pub(super) fn mean_displacement(state: &State<'_>) -> f64 {
 
 /// The displacements of vertices from the surface, along its normals and times their trust.
 fn displacements(state: &State<'_>) -> Vec<f64> {
-    let mut up = vec![DVec3::ZERO; state.mesh().vertex_count()];
-    for (face, &n) in state.mesh().faces().iter().zip(&state.normals) {
-        face.iter().for_each(|&v| up[v as usize] += n);
-    }
-    let positions = state.mesh().positions().iter().zip(state.surface.positions());
-    (positions.zip(up).zip(&state.vertex_trust))
-        .map(|(((&p, &x), n), t)| t * n.normalize_or_zero().dot(DVec3::from(p) - DVec3::from(x)))
-        .collect()
+    let offsets = offsets_along(state.mesh(), &state.surface, &state.normals);
+    offsets.into_iter().zip(&state.vertex_trust).map(|(offset, t)| t * offset).collect()
 }
 
 /// The sum of the correlations of the displacement of a vertex with those of all vertices up to two
 /// edges away, itself included (beyond a vertex with many neighbours none); at least one. The
-/// variance of a mean over many vertices is so many times that of independent noise.
+/// variance of a mean over many vertices is that of independent noise times this factor.
 fn correlation_sum(mesh: &TriMesh, offsets: &[f64]) -> f64 {
     let topology = mesh.topology();
     let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
@@ -128,7 +123,7 @@ mod tests {
     /// Independent displacements count one by one, apart from chance; means of them over two rings
     /// count as the number of vertices of about such a mean. Means of neighbours correlate.
     #[test]
-    fn correlated_displacements_are_told_by_their_sums() {
+    fn sums_show_correlated_displacements() {
         let mesh = shapes::plane(60, 60, shapes::Diagonals::Alternating);
         let noisy = shapes::jittered(&mesh, 0.1, 3, |p| p);
         let topology = noisy.topology();

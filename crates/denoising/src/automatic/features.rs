@@ -84,7 +84,7 @@ impl Candidates {
         let mut all = [n; CANDIDATES];
         let or_present = |v: DVec3| unit_or(v, n);
         let (of_fits, turns, anchor) = read_fits(state, f, sums, &mut all);
-        // Means of normals are close to normals of the smooth surface at the centroid. Those of
+        // Means of normals are close to normals of the smooth surface at the centroid. Normals of
         // flat faces differ from them by a turn.
         let of_face =
             |v: DVec3, range: usize| or_present(or_present(v) + turns[FIT_OF_RANGE[range]]);
@@ -249,22 +249,14 @@ fn frame(up: DVec3, tensor: [f64; 6], far: DVec3) -> [DVec3; 3] {
     [facing(first), facing(second), up]
 }
 
+/// The numbers of face `f` that are no sums over radii and no results of fits.
 #[inline(always)]
-fn scalars(
-    state: &State<'_>,
-    f: usize,
-    sums: &Sums,
-    frame: &[DVec3; 3],
-    spread: f64,
-    of_fits: &[[f64; 3]; FITS.len()],
-    beside: [usize; 3],
-) -> [f64; SCALARS] {
+fn of_face(state: &State<'_>, f: usize, sums: &Sums, spread: f64) -> [f64; 16] {
     let s = state.scales[f];
-    let mut out = [0.0; SCALARS];
     let missing = state.hinges.of_face[f].iter().filter(|&&h| h == NO_HINGE).count();
     let noise = (state.noisy.centroids[f] - state.current.centroids[f]).length() / state.sigma;
     let moved = (sums.others[1][6] / area(sums, 1)).sqrt();
-    let fixed = [
+    [
         log2(state.sigma / s),
         log2(s / state.h),
         log2(state.current.areas[f] / (s * s)),
@@ -281,39 +273,45 @@ fn scalars(
         noise,
         moved / state.sigma,
         state.current.normals[f].dot(state.normals[f]),
-    ];
-    out[..fixed.len()].copy_from_slice(&fixed);
-    let mut next = fixed.len();
-    out[next..next + QUANTILES].copy_from_slice(&state.quantiles);
-    next += QUANTILES;
+    ]
+}
+
+/// The numbers that describe the surroundings of face `f`.
+#[inline(always)]
+fn scalars(
+    state: &State<'_>,
+    f: usize,
+    sums: &Sums,
+    frame: &[DVec3; 3],
+    spread: f64,
+    of_fits: &[[f64; 3]; FITS.len()],
+    beside: [usize; 3],
+) -> [f64; SCALARS] {
+    let mut out = [0.0; SCALARS];
+    let mut next = 0;
+    let mut put = |numbers: &[f64]| {
+        out[next..next + numbers.len()].copy_from_slice(numbers);
+        next += numbers.len();
+    };
+    put(&of_face(state, f, sums, spread));
+    put(&state.quantiles);
     for radius in 1..RADII.len() {
         let entries = across(tensor(sums, radius), [frame[0], frame[1]]);
         let [large, small] = eigenvalues(entries.map(|x| x / area(sums, radius)));
         let [large, small] = [large, small].map(|x| x.max(0.0).sqrt());
-        for x in [log2(large + 1e-4), log2(small + 1e-4), large, small] {
-            out[next] = x;
-            next += 1;
-        }
+        put(&[log2(large + 1e-4), log2(small + 1e-4), large, small]);
     }
     for (radius, means) in sums.means.iter().enumerate() {
-        for mean in &means[..RANGES - 1] {
-            out[next] = mean[6] / area(sums, radius);
-            next += 1;
-        }
+        means[..RANGES - 1].iter().for_each(|mean| put(&[mean[6] / area(sums, radius)]));
     }
     for (radius, means) in sums.means.iter().enumerate() {
         let mean = means[RANGES - 1][7] / area(sums, radius);
-        out[next] = log2(mean.abs() / state.sigma + 0.01);
-        next += 1;
+        put(&[log2(mean.abs() / state.sigma + 0.01)]);
     }
     for g in [f, beside[0], beside[1], beside[2]] {
-        out[next] = misfit(state, f, g);
-        next += 1;
+        put(&[misfit(state, f, g)]);
     }
-    for numbers in of_fits {
-        out[next..next + 3].copy_from_slice(numbers);
-        next += 3;
-    }
+    put(of_fits.as_flattened());
     debug_assert_eq!(next, SCALARS);
     out
 }

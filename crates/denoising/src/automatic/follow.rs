@@ -4,8 +4,9 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::faces::{FaceLists, FaceShapes};
-use crate::{DenoiseError, Masked};
+use crate::error::DenoiseError;
+use crate::faces::{FaceLists, FaceShapes, longest_side};
+use crate::masked::Masked;
 
 /// The least area of a face, as a fraction of the mean area around it.
 const MIN_FRACTION: f64 = 0.3;
@@ -45,12 +46,8 @@ impl<'a> Follow<'a> {
         let least = (0..areas.len())
             .into_par_iter()
             .map(|f| {
-                let row = rings.row(f);
-                let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
-                let [a, b, c] = noisy.triangle(f).map(DVec3::from);
-                let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-                let mean = sum / (row.len() + 1) as f64;
-                (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest)
+                let mean = rings.mean(&areas, f);
+                (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest_side(noisy, f))
             })
             .collect();
         Self { noisy: noisy.into(), least, limit }
@@ -147,6 +144,19 @@ impl<'a> Follow<'a> {
         let from = self.noisy.mesh().positions()[v].into();
         if self.noisy.is_fixed(v) { from } else { hold(from, to, self.limit) }
     }
+}
+
+/// The offset of each noisy vertex from the surface, along the mean of the `normals` of its faces.
+pub(super) fn offsets_along(noisy: &TriMesh, surface: &TriMesh, normals: &[DVec3]) -> Vec<f64> {
+    let mut up = vec![DVec3::ZERO; noisy.vertex_count()];
+    for (face, &n) in noisy.faces().iter().zip(normals) {
+        face.iter().for_each(|&v| up[v as usize] += n);
+    }
+    let positions = noisy.positions().iter().zip(surface.positions());
+    let offset = |((&p, &x), up): ((&[f64; 3], &[f64; 3]), DVec3)| {
+        up.normalize_or_zero().dot(DVec3::from(p) - DVec3::from(x))
+    };
+    positions.zip(up).map(offset).collect()
 }
 
 /// The minimiser of `‖d − o‖² + 4 Σ (n · d)²`: the solution of

@@ -1,14 +1,15 @@
 //! Vertices far from the denoised surface, between others that lie on it.
 
 use fairing_mesh::TriMesh;
+use fairing_sparse::upper_median;
 use glam::DVec3;
 
-use crate::Masked;
+use crate::masked::Masked;
 
 /// The largest median distance from the surface over the root mean square distance around each
 /// vertex. It is 0.70 or more on the models of the development set under noise without impulses
 /// (0.67 for distances of a normal distribution), and 0.55 or less under impulses.
-const MOST_MEDIAN: f64 = 0.6;
+const MAX_MEDIAN: f64 = 0.6;
 
 /// The distance of an impulse, in standard deviations of the distances of the other vertices. These
 /// are errors of the surface more than noise, and reach farther than a normal distribution. The
@@ -68,10 +69,8 @@ pub(super) fn has_impulses(noisy: Masked<'_>, surface: &TriMesh) -> bool {
 fn are_uneven(noisy: Masked<'_>, distances: &[f64]) -> bool {
     let around = mean_squares_around(noisy.mesh(), distances);
     let free = (0..distances.len()).filter(|&v| !noisy.is_fixed(v) && around[v] > 0.0);
-    let mut relative: Vec<f64> = free.map(|v| distances[v] / around[v].sqrt()).collect();
-    let middle = relative.len() / 2;
-    !relative.is_empty()
-        && *relative.select_nth_unstable_by(middle, f64::total_cmp).1 <= MOST_MEDIAN
+    let relative = free.map(|v| distances[v] / around[v].sqrt()).collect();
+    upper_median(relative).is_some_and(|median| median <= MAX_MEDIAN)
 }
 
 /// The distance of each vertex from its place in the denoised mesh.

@@ -1,4 +1,4 @@
-//! Surfaces of volumes, without their short edges.
+//! Collapses the short edges of surfaces of volumes.
 //!
 //! Marching cubes puts a vertex where an edge of a grid crosses the surface. Where the surface
 //! passes near a node of the grid, up to six vertices are close together. The thin faces between
@@ -10,9 +10,11 @@ use std::ops::RangeInclusive;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-use super::safety::uneven_parts;
+use super::parts::uneven_parts;
+use crate::disjoint::root;
+use crate::error::DenoiseError;
+use crate::masked::Masked;
 use crate::noise_level::{NoiseEstimate, NoisyParts, noisy_parts};
-use crate::{DenoiseError, Masked};
 
 /// The length below which an edge is very short, over the mean length of the edges at its ends.
 const VERY_SHORT: f64 = 0.2;
@@ -54,30 +56,15 @@ pub(super) struct Merged<'a> {
     of: Option<Vec<u32>>,
     /// For each connected part, `true` for the surface of a volume.
     pub(super) is_volume: Vec<bool>,
-    /// For each connected part, the noise of a depth camera that the whole mesh shows.
-    waves: Vec<Option<Waves>>,
-}
-
-/// Noise that is correlated over several edges.
-#[derive(Debug, Clone, Copy)]
-struct Waves {
-    /// As in [`NoiseEstimate`].
-    length: f64,
-    sigma: f64,
-}
-
-impl Waves {
-    /// The level of noise that has these waves.
-    fn in_level(self, mut level: NoiseEstimate) -> NoiseEstimate {
-        (level.correlation_length, level.wide_sigma) = (self.length, self.sigma);
-        level
-    }
+    /// For each connected part, the noise before merging if it is that of a depth camera.
+    camera_noise: Vec<Option<NoiseEstimate>>,
 }
 
 /// The noise of the surface of a volume.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VolumeNoise {
-    waves: Option<Waves>,
+    /// The noise of a depth camera, measured before merging.
+    camera_noise: Option<NoiseEstimate>,
 }
 
 impl VolumeNoise {
@@ -89,7 +76,10 @@ impl VolumeNoise {
             level.sigma *= SHARED;
             level.wide_sigma *= SHARED;
         }
-        self.waves.map_or(level, |waves| waves.in_level(level))
+        if let Some(NoiseEstimate { correlation_length, wide_sigma, .. }) = self.camera_noise {
+            (level.correlation_length, level.wide_sigma) = (correlation_length, wide_sigma);
+        }
+        level
     }
 }
 
@@ -103,8 +93,14 @@ impl<'a> Merged<'a> {
         let is_volume = edges.volumes();
         if !is_volume.contains(&true) {
             let fixed = (0..n).map(fixed).collect();
-            let waves = vec![None; is_volume.len()];
-            return Ok(Self { mesh: Cow::Borrowed(mesh), fixed, of: None, is_volume, waves });
+            let camera_noise = vec![None; is_volume.len()];
+            return Ok(Self {
+                mesh: Cow::Borrowed(mesh),
+                fixed,
+                of: None,
+                is_volume,
+                camera_noise,
+            });
         }
         let mut clusters = Clusters::new(mesh, edges.local.clone());
         for [a, b] in edges.short(&is_volume) {
@@ -130,16 +126,15 @@ impl<'a> Merged<'a> {
             new.iter().for_each(|&new| is_volume_now[new] = is_volume);
         }
         // The noise of a camera shows before edges are merged, and hardly ever after that.
-        let mut waves = vec![None; after.count()];
+        let mut camera_noise = vec![None; after.count()];
         for NoisyParts { components, level } in noisy_parts(input) {
-            let (length, sigma) = (level.correlation_length, level.wide_sigma);
-            if length > 0.0 {
+            if level.correlation_length > 0.0 {
                 let found = components.iter().filter_map(|&part| new[part as usize]);
-                found.for_each(|part| waves[part] = Some(Waves { length, sigma }));
+                found.for_each(|part| camera_noise[part] = Some(level));
             }
         }
         let (mesh, of) = (Cow::Owned(merged), Some(of));
-        Ok(Self { mesh, fixed: flags, of, is_volume: is_volume_now, waves })
+        Ok(Self { mesh, fixed: flags, of, is_volume: is_volume_now, camera_noise })
     }
 
     /// The mesh with its fixed vertices.
@@ -148,20 +143,20 @@ impl<'a> Merged<'a> {
     }
 
     /// The noise of these parts, if one of them is the surface of a volume.
-    pub(super) fn volume_noise(&self, group: &NoisyParts) -> Option<VolumeNoise> {
-        let mut parts = group.components.iter().map(|&part| part as usize);
+    pub(super) fn volume_noise(&self, components: &[u32]) -> Option<VolumeNoise> {
+        let mut parts = components.iter().map(|&part| part as usize);
         parts.clone().any(|part| self.is_volume[part]).then(|| {
-            let waves = parts.find_map(|part| self.waves[part]);
-            VolumeNoise { waves }
+            let camera_noise = parts.find_map(|part| self.camera_noise[part]);
+            VolumeNoise { camera_noise }
         })
     }
 
     /// The level of the noise of these parts; of the surface of a volume among them, its own.
     pub(super) fn level(&self, group: &NoisyParts) -> NoiseEstimate {
-        self.volume_noise(group).map_or(group.level, |noise| noise.level(group.level))
+        self.volume_noise(&group.components).map_or(group.level, |noise| noise.level(group.level))
     }
 
-    /// The parts whose faces are too uneven. Those of volumes are not: no face is long.
+    /// The parts whose faces are too uneven; never surfaces of volumes, which have no long faces.
     pub(super) fn uneven(&self, groups: &[NoisyParts]) -> Vec<bool> {
         let uneven = uneven_parts(&self.mesh, groups).into_iter();
         uneven.zip(&self.is_volume).map(|(is_uneven, is_volume)| is_uneven && !is_volume).collect()
@@ -295,7 +290,7 @@ impl<'a> Edges<'a> {
 
 /// Sets of vertices that are merged.
 struct Clusters {
-    /// A vertex of the same cluster, nearer to its representative, which is its own.
+    /// A parent of each vertex in its cluster, itself for the representative.
     parents: Vec<u32>,
     /// Of each representative: the mean of the positions, the number of members, and the mean
     /// length of edges around it.
@@ -317,20 +312,11 @@ impl Clusters {
         }
     }
 
-    fn representative(&mut self, mut v: u32) -> u32 {
-        while self.parents[v as usize] != v {
-            let next = self.parents[self.parents[v as usize] as usize];
-            self.parents[v as usize] = next;
-            v = next;
-        }
-        v
-    }
-
     /// Merges the clusters of two vertices, unless their middles are too far from each other, or
     /// the surface would touch itself: the clusters have the same neighbours only in the faces at
     /// the edge between them.
     fn merge(&mut self, a: u32, b: u32) {
-        let [a, b] = [self.representative(a), self.representative(b)].map(|v| v as usize);
+        let [a, b] = [a, b].map(|v| root(&mut self.parents, v) as usize);
         if a == b || self.neighbors[a].len() + self.neighbors[b].len() > HUB {
             return;
         }
@@ -366,7 +352,7 @@ impl Clusters {
         let mut numbers = vec![u32::MAX; self.parents.len()];
         let (mut positions, mut of) = (vec![], vec![]);
         for v in 0..self.parents.len() as u32 {
-            let root = self.representative(v) as usize;
+            let root = root(&mut self.parents, v) as usize;
             if numbers[root] == u32::MAX {
                 numbers[root] = positions.len() as u32;
                 positions.push(self.middles[root].0.into());

@@ -36,6 +36,15 @@ const FOR_ALL: &[u8] = include_bytes!("../../data/normals.bin");
 /// The networks for correlated noise.
 const FOR_CORRELATED: &[u8] = include_bytes!("../../data/normals-correlated.bin");
 
+/// The meshes that networks are trained for.
+#[derive(Clone, Copy)]
+pub(super) enum Trained {
+    /// All meshes.
+    ForAll,
+    /// Meshes with correlated noise.
+    ForCorrelated,
+}
+
 /// The stages, in their order.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -48,13 +57,14 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of this release for all meshes, or that for correlated noise; `None` if the bytes
-    /// were damaged in the build.
-    pub fn released(is_correlated: bool) -> Option<&'static Self> {
+    /// The model of this release; `None` if the bytes were damaged in the build.
+    pub(super) fn released(trained: Trained) -> Option<&'static Self> {
         static ALL: OnceLock<Option<Model>> = OnceLock::new();
         static CORRELATED: OnceLock<Option<Model>> = OnceLock::new();
-        let (model, bytes) =
-            if is_correlated { (&CORRELATED, FOR_CORRELATED) } else { (&ALL, FOR_ALL) };
+        let (model, bytes) = match trained {
+            Trained::ForAll => (&ALL, FOR_ALL),
+            Trained::ForCorrelated => (&CORRELATED, FOR_CORRELATED),
+        };
         model.get_or_init(|| Self::read(bytes).ok()).as_ref()
     }
 

@@ -5,7 +5,8 @@ use fairing_operators::NormalEquations;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{DenoiseError, Masked};
+use crate::error::DenoiseError;
+use crate::masked::Masked;
 
 /// The weight of the mean normal of a vertex in the fit to its faces: without it a vertex whose
 /// faces are nearly parallel would slide along them.

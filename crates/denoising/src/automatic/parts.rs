@@ -1,11 +1,14 @@
-//! Some of the connected parts of a mesh as a mesh of its own, numbered so that neighbours are near
-//! in memory.
+//! Connected parts: some of them as a mesh of its own, numbered so that neighbours are near in
+//! memory, and parts whose faces are too uneven to be denoised.
 
 use fairing_mesh::{TriMesh, hilbert};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{DenoiseError, Masked};
+use crate::error::DenoiseError;
+use crate::faces::longest_side;
+use crate::masked::Masked;
+use crate::noise_level::NoisyParts;
 
 /// A mesh of some of the parts, with vertices in the order of a Hilbert curve, and faces in that of
 /// their first vertex.
@@ -60,11 +63,53 @@ impl Part {
     }
 }
 
+/// The length of a face over the displacement of its far end: the normals of a denoised mesh are
+/// off by some 3°, or one part in 20.
+const LEVER: f64 = 20.0;
+
+/// The least fraction of uneven vertices in an uneven part.
+const FRACTION: f64 = 0.1;
+
+/// Returns `true` for each connected part whose faces are so long that errors of their normals
+/// would do more harm than the noise.
+///
+/// A vertex is uneven if a twentieth of the longest side of its faces is more than their least
+/// height, so that faces fold, and more than the noise, so that positions get worse. A part is
+/// uneven if more than one vertex in ten is: CAD tessellations, with faces across a whole plane
+/// beside small or thin ones.
+pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
+    let mut longest = vec![0.0f64; mesh.vertex_count()];
+    let mut lowest = vec![f64::INFINITY; mesh.vertex_count()];
+    for (f, &face) in mesh.faces().iter().enumerate() {
+        let side = longest_side(mesh, f);
+        let height = if side > 0.0 { 2.0 * mesh.face_area(f) / side } else { 0.0 };
+        for v in face.map(|v| v as usize) {
+            longest[v] = longest[v].max(side);
+            lowest[v] = lowest[v].min(height);
+        }
+    }
+    let parts = mesh.topology().components();
+    let mut noise = vec![0.0; parts.count()];
+    for group in groups {
+        group.components.iter().for_each(|&part| noise[part as usize] = group.level.wide_sigma);
+    }
+    let mut counts = vec![[0usize; 2]; parts.count()];
+    for (v, (side, low)) in longest.into_iter().zip(lowest).enumerate() {
+        if let Some(part) = parts.label(v as u32) {
+            let [all, uneven] = &mut counts[part as usize];
+            *all += 1;
+            *uneven += usize::from(side > LEVER * low.max(noise[part as usize]));
+        }
+    }
+    counts.into_iter().map(|[all, uneven]| uneven as f64 > FRACTION * all as f64).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;
 
     use super::*;
+    use crate::noise_level::noisy_parts;
 
     #[test]
     fn parts_are_taken_out_and_put_back() {
@@ -125,5 +170,44 @@ mod tests {
         let mut found = vec![[0.0; 3]; n as usize];
         part.put_back(part.mesh.positions(), &mut found);
         assert_eq!(found, positions);
+    }
+
+    /// A tube around the z axis whose sides go from end to end.
+    fn tessellated_tube(sides: u32) -> TriMesh {
+        let tube = shapes::cylinder(1.0, 2.0, sides, 1, shapes::Ends::Open);
+        shapes::jittered(&tube, 0.05, 3, |p| p)
+    }
+
+    #[test]
+    fn tessellations_are_uneven_and_noisy_scans_are_not() {
+        let uneven = |mesh: &TriMesh| uneven_parts(mesh, &noisy_parts(mesh));
+        assert_eq!(uneven(&tessellated_tube(200)), [true]);
+        for mesh in [shapes::icosphere(3), shapes::cad_block(0.2), shapes::creature(24)] {
+            assert_eq!(uneven(&shapes::jittered(&mesh, 0.3, 2, |p| p)), [false]);
+        }
+    }
+
+    #[test]
+    fn a_tessellation_stays_as_it_is_beside_a_denoised_part() {
+        let (tube, sphere) = (tessellated_tube(200), shapes::icosphere(3));
+        let sphere = shapes::jittered(&sphere, 0.2, 4, |p| p);
+        let alone = crate::automatic(&tube, &crate::AutomaticOptions::default()).unwrap();
+        assert_eq!(alone.mesh, tube);
+        assert_eq!(alone.kind, crate::SurfaceKind::Uneven);
+        assert_eq!(alone.uneven_vertices, tube.vertex_count());
+
+        let n = tube.vertex_count();
+        let far = sphere.positions().iter().map(|p| [p[0] + 9.0, p[1], p[2]]);
+        let positions: Vec<[f64; 3]> = tube.positions().iter().copied().chain(far).collect();
+        let others = sphere.faces().iter().map(|face| face.map(|v| v + n as u32));
+        let faces = tube.faces().iter().copied().chain(others).collect();
+        let both = TriMesh::new(positions, faces).unwrap();
+        let found = crate::automatic(&both, &crate::AutomaticOptions::default()).unwrap();
+        assert_eq!(found.uneven_vertices, n);
+        assert_eq!(found.mesh.positions()[..n], tube.positions()[..]);
+        let moved = (n..both.vertex_count())
+            .filter(|&v| found.mesh.positions()[v] != both.positions()[v])
+            .count();
+        assert!(moved > sphere.vertex_count() / 2, "{moved}");
     }
 }

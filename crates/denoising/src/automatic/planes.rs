@@ -5,27 +5,28 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::fits::{LocalFit, moments, tangents};
+use crate::disjoint::root;
 use crate::faces::{Hinges, Marks};
 
 /// Faces whose normals differ by more are not joined: 20°.
-const APART: f64 = 0.35;
+const MAX_ANGLE: f64 = 0.35;
 
 /// A plane has at least this many vertices.
 const MIN_WEIGHT: f64 = 12.0;
 
 /// The fraction of a region's border with other regions that must be creases.
-const CREASED: f64 = 0.95;
+const MIN_CREASED: f64 = 0.95;
 
 /// The fraction of a region's border with other regions that must be with large ones.
-const KNOWN: f64 = 0.5;
+const MIN_LARGE: f64 = 0.5;
 
 /// The fraction of the turn from one plane to the next that one hinge makes.
-const AT_ONCE: f64 = 0.25;
+const MIN_TURN: f64 = 0.25;
 
 /// The same fraction for the component of the turn in the direction from one plane to the next, to
 /// which errors of normals do not add; strips are then twice as deep. Telling a shallow crease from
 /// a curved surface takes many faces.
-const MOSTLY: f64 = 0.5;
+const MIN_DIRECTED_TURN: f64 = 0.5;
 
 /// The largest fraction of the variation of normals that may be linear in position.
 const TURNING: f64 = 0.7;
@@ -91,7 +92,7 @@ impl<'a> Evidence<'a> {
         Self { hinges, faces: mesh.faces(), points, trust, variance, rounding }
     }
 
-    /// The least variance of positions that can be told at face `f`.
+    /// The least measurable variance of positions at face `f`.
     fn blur(&self, f: usize) -> f64 {
         self.variance + self.rounding[self.faces[f][0] as usize]
     }
@@ -249,7 +250,7 @@ impl Regions {
                 let [f, g] = hinge.faces.map(|f| normals[f as usize]);
                 (if f == DVec3::ZERO || g == DVec3::ZERO { 2.0 } else { f.distance(g) }, h)
             })
-            .filter(|(apart, _)| *apart < APART)
+            .filter(|(apart, _)| *apart < MAX_ANGLE)
             .collect();
         order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, h) in order {
@@ -310,7 +311,8 @@ impl Regions {
                 self.is_crease(evidence, &strip)
             };
             let kind = usize::from(
-                (turn.most > AT_ONCE && tell(DEPTH)) || (turn.least > MOSTLY && tell(2 * DEPTH)),
+                (turn.most > MIN_TURN && tell(DEPTH))
+                    || (turn.least > MIN_DIRECTED_TURN && tell(2 * DEPTH)),
             );
             for r in run[0].0 {
                 borders[r as usize][kind] += run.len() as f64;
@@ -320,7 +322,7 @@ impl Regions {
             .map(|r| {
                 let [smooth, creased] = borders[r];
                 let known = smooth + creased;
-                if !large(r) || creased < CREASED * known || known < KNOWN * leaving[r] {
+                if !large(r) || creased < MIN_CREASED * known || known < MIN_LARGE * leaving[r] {
                     return None;
                 }
                 let stride = self.faces[r].len().div_ceil(MAX_TESTED);
@@ -460,19 +462,6 @@ fn squares(
     Some([fit.squares::<3>()? * unit, fit.squares::<6>()? * unit])
 }
 
-/// The root of a face's tree, to which all on the way then point.
-fn root(parent: &mut [u32], f: u32) -> u32 {
-    let mut top = f;
-    while parent[top as usize] != top {
-        top = parent[top as usize];
-    }
-    let mut at = f;
-    while at != top {
-        at = std::mem::replace(&mut parent[at as usize], top);
-    }
-    top
-}
-
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;
@@ -535,8 +524,8 @@ mod tests {
         assert!(near == far);
     }
 
-    /// A roof of two planes that meet at 6° is told from a curved surface, under noise of a quarter
-    /// of the heights of faces.
+    /// A roof of two planes that meet at 6° is distinguished from a curved surface, under noise of
+    /// a quarter of the heights of faces.
     #[test]
     fn shallow_creases_are_found_from_afar() {
         let flat = shapes::plane(40, 40, shapes::Diagonals::Alternating);

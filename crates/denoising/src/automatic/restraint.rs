@@ -4,12 +4,14 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::follow::offsets_along;
+use crate::error::DenoiseError;
+use crate::masked::Masked;
 use crate::noise_level::{LocalResiduals, NoiseEstimate};
-use crate::{DenoiseError, Masked};
 
 /// The root mean square displacement along the normals over the level of the noise, at most:
 /// Morozov's discrepancy principle. Where all of the displacement is noise it is 0.7 to 0.95.
-const MOST: f64 = 1.2;
+const MAX_RATIO: f64 = 1.2;
 
 /// Rounds of averaging over neighbours: the weights of some 150 vertices.
 const ROUNDS: usize = 20;
@@ -103,7 +105,7 @@ impl Allowed {
 
     /// The largest mean square displacement around a vertex.
     fn at(&self, v: usize) -> f64 {
-        MOST * MOST * self.squares.get(v).copied().unwrap_or(self.whole)
+        MAX_RATIO * MAX_RATIO * self.squares.get(v).copied().unwrap_or(self.whole)
     }
 }
 
@@ -124,7 +126,8 @@ pub(super) fn restrained(
     noise: &Allowed,
 ) -> Result<Restrained, DenoiseError> {
     let noisy = input.mesh();
-    let squares = squared_offsets(noisy, &surface, &normals);
+    let offsets = offsets_along(noisy, &surface, &normals);
+    let squares: Vec<f64> = offsets.into_iter().map(|d| d * d).collect();
     let clipped = |v: usize, square: f64| square.min(CLIP * CLIP * noise.at(v));
     let shorter = |most: f64, found: f64| if found > most { (most / found).sqrt() } else { 1.0 };
     let mut factors = vec![1.0; squares.len()];
@@ -158,19 +161,6 @@ pub(super) fn restrained(
     }
     let turned = (turned / mesh.face_count().max(1) as f64).to_degrees();
     Ok(Restrained { mesh, normals, turned })
-}
-
-/// The squared displacement of each vertex along its normal.
-fn squared_offsets(noisy: &TriMesh, surface: &TriMesh, normals: &[DVec3]) -> Vec<f64> {
-    let mut up = vec![DVec3::ZERO; noisy.vertex_count()];
-    for (face, &n) in noisy.faces().iter().zip(normals) {
-        face.iter().for_each(|&v| up[v as usize] += n);
-    }
-    let moved = noisy.positions().iter().zip(surface.positions());
-    let offset = |((&p, &x), up): ((&[f64; 3], &[f64; 3]), DVec3)| {
-        up.normalize_or_zero().dot(DVec3::from(p) - DVec3::from(x))
-    };
-    moved.zip(up).map(offset).map(|d| d * d).collect()
 }
 
 /// Means of numbers over some 150 vertices around each vertex.

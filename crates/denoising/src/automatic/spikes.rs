@@ -3,10 +3,12 @@
 use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
+use fairing_sparse::upper_median;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{DenoiseError, Masked};
+use crate::error::DenoiseError;
+use crate::masked::Masked;
 
 /// The least excess of a spike or of an impulse.
 #[derive(Clone, Copy)]
@@ -46,7 +48,7 @@ const HUB: usize = 64;
 /// The most rounds: each moves the highest of spikes that are neighbours.
 const ROUNDS: usize = 32;
 
-/// Puts spikes on the surface around them, again and again until there are none.
+/// Puts spikes on the surface around them, repeatedly until none is left.
 ///
 /// The two rings around a vertex predict its height over the plane of its neighbours in three
 /// ways: as zero, by a paraboloid, and by a cone. The excess is its distance from the interval of
@@ -185,19 +187,24 @@ fn median_around(mesh: &TriMesh, heights: &[Height], v: u32, distance: fn(&Heigh
         found.sort_unstable();
         found.dedup();
     }
-    let mut sizes: Vec<f64> =
-        found.iter().filter(|&&w| w != v).map(|&w| distance(&heights[w as usize])).collect();
-    let middle = sizes.len() / 2;
-    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+    let others = found.iter().filter(|&&w| w != v);
+    upper_median(others.map(|&w| distance(&heights[w as usize])).collect()).unwrap_or(0.0)
 }
 
-/// The number of spikes among positions and the distance of the farthest from its place; those that
-/// `stay` go back to where they were.
+/// The spikes that were moved.
+#[derive(Default)]
+pub(super) struct Spikes {
+    pub(super) count: usize,
+    /// The largest distance that one was moved.
+    pub(super) farthest: f64,
+}
+
+/// Counts the spikes among positions; those that `stay` go back to where they were.
 pub(super) fn counted_spikes(
     original: &TriMesh,
     positions: &mut [[f64; 3]],
     stay: impl Fn(u32) -> bool,
-) -> (usize, f64) {
+) -> Spikes {
     let (mut count, mut farthest) = (0, 0.0f64);
     for (v, (position, &from)) in (0..).zip(positions.iter_mut().zip(original.positions())) {
         if stay(v) {
@@ -207,7 +214,7 @@ pub(super) fn counted_spikes(
             farthest = DVec3::from(*position).distance(from.into()).max(farthest);
         }
     }
-    (count, farthest)
+    Spikes { count, farthest }
 }
 
 #[cfg(test)]
@@ -276,9 +283,9 @@ mod tests {
         assert!(rest.iter().filter(|&&v| distance(v) > 0.0).count() <= 3);
     }
 
-    /// Creases, corners and tips are none, at any noise.
+    /// Creases, corners and tips are never mistaken for spikes, at any noise.
     #[test]
-    fn corners_are_no_spikes() {
+    fn corners_are_not_spikes() {
         let cube = shapes::cube(10, shapes::Diagonals::Alternating);
         let flat = shapes::plane(30, 30, shapes::Diagonals::Regular);
         let heights = flat.positions().iter().map(|&[x, y, _]| [x, y, (x - 0.5).hypot(y - 0.5)]);

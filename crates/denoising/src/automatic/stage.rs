@@ -11,7 +11,7 @@ use super::features::{INPUTS, Sample, Seen, WIDE, sample};
 use super::network::{BATCH, Network, Parts, Trace, combine};
 use super::state::{QUANTILES, State};
 use super::wide::wide_means;
-use crate::DenoiseError;
+use crate::error::DenoiseError;
 
 /// Faces of a unit of parallel work.
 const BLOCK: usize = 1024;

@@ -3,12 +3,15 @@
 use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
+use fairing_sparse::upper_median;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::follow::Follow;
-use crate::faces::{FaceLists, FaceShapes, Hinges};
-use crate::{DenoiseError, Masked, NoiseEstimate};
+use crate::error::DenoiseError;
+use crate::faces::{FaceLists, FaceShapes, Hinges, longest_side};
+use crate::masked::Masked;
+use crate::noise_level::NoiseEstimate;
 
 /// Vertex steps between stages.
 const STEPS: usize = 15;
@@ -18,7 +21,7 @@ const TRUST: f64 = 3.0;
 
 /// The largest displacement of a vertex, in standard deviations: noise moves one Gaussian vertex
 /// in two million further.
-pub(super) const FAR: f64 = 5.0;
+pub(super) const MAX_DEVIATIONS: f64 = 5.0;
 
 /// The number of scales of differences between normals; the last is infinite.
 pub(super) const RANGES: usize = 4;
@@ -103,7 +106,7 @@ impl<'a> State<'a> {
             sigma: level.sigma,
             excess: 1.0,
             variance: level.sigma * level.sigma,
-            limit: FAR * level.sigma,
+            limit: MAX_DEVIATIONS * level.sigma,
             vertex_trust: vec![1.0; mesh.vertex_count()],
             trust: vec![1.0; mesh.face_count()],
             ranges: [0.0; 3],
@@ -130,7 +133,7 @@ impl<'a> State<'a> {
     /// The way of vertices to the present normals, none further than `limit` from its noisy
     /// position. Fixed vertices move as well: the surface is an estimate of the true one.
     pub(super) fn follower(&self, limit: f64) -> Follow<'a> {
-        Follow::new(self.mesh(), &self.rings, self.limit / FAR, limit)
+        Follow::new(self.mesh(), &self.rings, self.limit / MAX_DEVIATIONS, limit)
     }
 
     /// The surface follows the normals; the noise level, the trust in positions and the scales
@@ -145,7 +148,7 @@ impl<'a> State<'a> {
             .collect();
         let free: Vec<usize> = (0..moved.len()).filter(|&v| !self.input.is_fixed(v)).collect();
         let distances: Vec<f64> = free.iter().map(|&v| moved[v]).collect();
-        let usual = median(distances.clone());
+        let usual = upper_median(distances.clone()).unwrap_or(0.0);
         self.excess = usual / self.level.sigma;
         self.sigma = self.level.sigma.max(usual);
         let scale = 1.0 / (TRUST * self.sigma);
@@ -153,7 +156,7 @@ impl<'a> State<'a> {
         let squares: f64 = free.iter().map(|&v| trust[v] * moved[v] * moved[v]).sum();
         let total: f64 = free.iter().map(|&v| trust[v]).sum();
         self.variance = squares / total.max(f64::MIN_POSITIVE);
-        self.limit = FAR * self.sigma.max(root_mean_square(&distances));
+        self.limit = MAX_DEVIATIONS * self.sigma.max(root_mean_square(&distances));
         self.trust = (self.mesh().faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
@@ -172,10 +175,8 @@ impl<'a> State<'a> {
         self.scales = (0..areas.len())
             .into_par_iter()
             .map(|f| {
-                let row = rings.row(f);
-                let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
                 // The side of an equilateral triangle of this area.
-                let side = (sum / (row.len() + 1) as f64 * (4.0 / 3.0f64.sqrt())).sqrt();
+                let side = (rings.mean(areas, f) * (4.0 / 3.0f64.sqrt())).sqrt();
                 side.clamp(0.02 * h, 50.0 * h)
             })
             .collect();
@@ -224,22 +225,7 @@ fn mean_centroids(centroids: &[DVec3], rings: &FaceLists) -> Vec<DVec3> {
 
 /// The longest side of each face.
 fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
-    (0..mesh.face_count())
-        .into_par_iter()
-        .map(|f| {
-            let [a, b, c] = mesh.triangle(f).map(DVec3::from);
-            a.distance(b).max(b.distance(c)).max(c.distance(a))
-        })
-        .collect()
-}
-
-/// The median; zero without numbers.
-pub(super) fn median(mut numbers: Vec<f64>) -> f64 {
-    let middle = numbers.len() / 2;
-    if numbers.is_empty() {
-        return 0.0;
-    }
-    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+    (0..mesh.face_count()).into_par_iter().map(|f| longest_side(mesh, f)).collect()
 }
 
 pub(super) fn root_mean_square(numbers: &[f64]) -> f64 {

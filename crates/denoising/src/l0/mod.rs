@@ -9,9 +9,9 @@ use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_r
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::error::DenoiseError;
 use crate::faces::{FaceShapes, Hinge, Hinges};
-use crate::masked::on_oriented;
-use crate::{DenoiseError, Masked};
+use crate::masked::{Masked, on_oriented};
 use stencils::{Stencils, combine};
 use system::System;
 
@@ -105,22 +105,16 @@ fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseErro
     fairing_watch::stage("rounds", rounds as u64);
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
-        let delta: Vec<DVec3> = stencils
-            .corners
-            .par_iter()
-            .zip(&weights)
-            .map(|(corners, w)| {
-                let bend = combine(corners, w, &positions);
-                if bend.dot(bend) <= lambda / beta { DVec3::ZERO } else { bend }
-            })
-            .collect();
+        let bend = |(corners, w): (&[u32; 4], &[f64; 4])| {
+            let bend = combine(corners, w, &positions);
+            if bend.dot(bend) <= lambda / beta { DVec3::ZERO } else { bend }
+        };
+        let delta: Vec<DVec3> = stencils.corners.par_iter().zip(&weights).map(bend).collect();
         let b = stencils.transpose(&weights, &delta);
-        let b: Vec<[f64; 3]> = (noisy.iter().zip(&b).enumerate())
-            .map(|(v, (&p, &d))| match input.is_fixed(v) {
-                true => p,
-                false => (DVec3::from(p) + beta * d).to_array(),
-            })
-            .collect();
+        let at = |(v, (&p, &d)): (usize, (&[f64; 3], &DVec3))| {
+            if input.is_fixed(v) { p } else { (DVec3::from(p) + beta * d).to_array() }
+        };
+        let b: Vec<[f64; 3]> = noisy.iter().zip(&b).enumerate().map(at).collect();
         system.fill(&weights, beta, alpha);
         let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
             product_by_rows(p, q, |v| if input.is_fixed(v) { p[v] } else { system.row(v, p) })
@@ -130,9 +124,8 @@ fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseErro
         alpha *= 0.5;
         fairing_watch::advance(1);
     }
-    let moved = positions.into_iter().enumerate().map(|(v, p)| match input.is_fixed(v) {
-        true => mesh.positions()[v],
-        false => (DVec3::from(p) + centre).to_array(),
+    let moved = positions.into_iter().enumerate().map(|(v, p)| {
+        if input.is_fixed(v) { mesh.positions()[v] } else { (DVec3::from(p) + centre).to_array() }
     });
     Ok(mesh.with_positions(moved.collect())?)
 }

@@ -144,7 +144,7 @@ impl NoiseKind {
     pub fn description(self) -> &'static str {
         match self {
             Self::GaussianAlongNormals => "Gaussian along the vertex normal",
-            Self::GaussianPerAxis => "Gaussian along each axis (the assignment's)",
+            Self::GaussianPerAxis => "Gaussian along each axis",
             Self::GaussianAlongDirections => "Gaussian along a random direction",
             Self::UniformPerAxis => "uniform along each axis",
             Self::Impulsive { .. } => {

@@ -13,7 +13,7 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::EvaluationError;
+use crate::error::EvaluationError;
 pub use kind::NoiseKind;
 pub use level::NoiseLevel;
 pub(crate) use rays::camera_and_centre;

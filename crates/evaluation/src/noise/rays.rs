@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 
 use super::field::correlated;
-use crate::EvaluationError;
+use crate::error::EvaluationError;
 use crate::normal::standard_normal;
 
 /// The fewest steps of disparity of the farthest vertex: its disparity stays positive with an

@@ -56,9 +56,10 @@ impl Range {
         let scale = axis.scale;
         if let Some([low, high]) = axis.limits {
             let positive = scale == AxisScale::Linear || low > 0.0;
-            return match low < high && (high - low).is_finite() && positive {
-                true => Ok(Self { low, high, scale }),
-                false => Err(FigureError::Limits { what: "an axis", low, high }),
+            return if low < high && (high - low).is_finite() && positive {
+                Ok(Self { low, high, scale })
+            } else {
+                Err(FigureError::Limits { what: "an axis", low, high })
             };
         }
         let [low, high] = data;

@@ -232,10 +232,7 @@ impl Frame {
                     _ => series.extent().into_iter().max_by(|a, b| a[0].total_cmp(&b[0]))?,
                 };
                 let [_, y] = self.at(last);
-                let color = match series.is_styled() {
-                    true => style.color(),
-                    false => SOFT,
-                };
+                let color = if series.is_styled() { style.color() } else { SOFT };
                 (!series.name.is_empty()).then_some((y, color, series.name.as_str()))
             })
             .collect();

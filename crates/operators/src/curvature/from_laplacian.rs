@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::field::{self, CurvatureField};
 use super::gaussian::{defects, undefined};
 use super::mean::{AtVertex, MeanCurvature};
+use super::oriented::Signed;
 use crate::error::OperatorError;
 use crate::laplacian::{Laplacian, Reason};
 use crate::normals::{NormalWeight, weighted_vertex_normals};
@@ -55,7 +56,7 @@ pub fn laplacian_mean_curvature(
     let mut mean = MeanCurvature::from_vertices(found.into_iter());
     // There the sign of the normal says nothing.
     for v in mesh.one_sided_faces().into_iter().flat_map(|f| mesh.faces()[f as usize]) {
-        mean.signed[v as usize] = mean.signed[v as usize].abs();
+        mean.drop_sign(v as usize);
     }
     Ok(mean)
 }

@@ -21,8 +21,8 @@ use fairing_parameters::{Field, Kind, Options, Parameter, ParameterError, Range,
 use super::field::{AtVertex, CurvatureField};
 use super::fit::{HeightField, fit_each};
 use super::neighborhood::Neighborhood;
-use crate::NormalEquations;
 use crate::error::OperatorError;
+use crate::normal_equations::NormalEquations;
 
 /// The degree of the polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
-use super::oriented::{TwoSided, on_oriented, take};
+use super::oriented::{Signed, on_oriented};
 use super::status::{ScalarCurvature, VertexStatus};
 use crate::area::LumpedArea;
 use crate::corners::check_faces;
@@ -49,8 +49,7 @@ impl MeanCurvature {
         all
     }
 
-    /// `H = ½ ‖Δx‖`, as the assignment asks for: without a sign, and with the
-    /// tangential part of Δx.
+    /// `H = ½ ‖Δx‖`: without a sign, and with the tangential part of Δx.
     pub fn norms(&self) -> Vec<f64> {
         self.vectors.iter().map(|&d| 0.5 * DVec3::from(d).length()).collect()
     }
@@ -61,7 +60,7 @@ impl MeanCurvature {
     }
 }
 
-/// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`, as in the assignment.
+/// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`.
 ///
 /// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
 /// Laplacian for edges of length ℓ. It multiplies by s when the mesh is
@@ -73,7 +72,8 @@ impl MeanCurvature {
 ///
 /// [taubin1995]: https://doi.org/10.1145/218380.218473
 pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
-    let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, false)));
+    let Ok(found) =
+        on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, |count, _| count)));
     found
 }
 
@@ -85,7 +85,8 @@ pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
 ///
 /// [desbrun1999]: https://doi.org/10.1145/311535.311576
 pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
-    let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, true)));
+    let Ok(found) =
+        on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, |_, squares| 0.25 * squares)));
     found
 }
 
@@ -171,9 +172,9 @@ impl AtVertex {
     }
 }
 
-/// `mean(xⱼ) − xᵢ` over the neighbours, each once; times `4 / mean(ℓ²)` if
-/// scaled.
-fn umbrellas(mesh: &TriMesh, scaled: bool) -> MeanCurvature {
+/// `Σ (xⱼ − xᵢ)` over the neighbours, each once, divided by a number that follows from their number
+/// and from `Σ ℓ²`.
+fn umbrellas(mesh: &TriMesh, divisor: fn(f64, f64) -> f64) -> MeanCurvature {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let umbrella = |fan: &mut Fan, v: u32| {
         let at = |w: u32| DVec3::from(positions[w as usize]);
@@ -190,7 +191,7 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> MeanCurvature {
             a.cross(b)
         });
         let normal = around.sum();
-        let divisor = if scaled { 0.25 * squares } else { fan.neighbors.len() as f64 };
+        let divisor = divisor(fan.neighbors.len() as f64, squares);
         let vector = (divisor > 0.0).then(|| sum * (1.0 / divisor));
         AtVertex::new(vector, normal, Links::new(fan, sides.len()))
     };
@@ -202,34 +203,15 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> MeanCurvature {
     MeanCurvature::from_vertices(found.into_iter())
 }
 
-impl TwoSided for MeanCurvature {
-    fn mean(&self) -> &[f64] {
-        &self.signed
-    }
-
-    fn taken(&self, vertices: &[u32]) -> Self {
-        Self {
-            vectors: take(&self.vectors, vertices),
-            signed: take(&self.signed, vertices),
-            status: take(&self.status, vertices),
-            boundary: take(&self.boundary, vertices),
-        }
+impl Signed for MeanCurvature {
+    fn drop_sign(&mut self, v: usize) {
+        self.signed[v] = self.signed[v].abs();
     }
 }
 
-impl TwoSided for (MeanCurvature, ScalarCurvature) {
-    fn mean(&self) -> &[f64] {
-        self.0.mean()
-    }
-
-    fn taken(&self, vertices: &[u32]) -> Self {
-        let gaussian = &self.1;
-        let gaussian = ScalarCurvature {
-            values: take(&gaussian.values, vertices),
-            status: take(&gaussian.status, vertices),
-            boundary: take(&gaussian.boundary, vertices),
-        };
-        (self.0.taken(vertices), gaussian)
+impl Signed for (MeanCurvature, ScalarCurvature) {
+    fn drop_sign(&mut self, v: usize) {
+        self.0.drop_sign(v);
     }
 }
 

@@ -8,11 +8,14 @@
 //!
 //! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that turn
 //! against the rest of their part count as flipped. On parts that cannot be oriented, such as
-//! a Möbius band, curvature has no sign: values there are those of the side from which H ≥ 0.
+//! a Möbius band, curvature has no sign: values there are those of the side from which H ≥ 0. Near
+//! the one cut along which faces disagree, values that depend on normals of several faces are less
+//! accurate, as near a border.
+//! [`TriMesh::one_sided_faces`](fairing_mesh::TriMesh::one_sided_faces) finds such parts.
 //!
 //! [`Estimator`] runs any of the methods and returns one type, the
 //! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the
-//! plain operators of the assignment, and [`laplacian_curvature`] takes a
+//! plain operators, and [`laplacian_curvature`] takes a
 //! [`Laplacian`](crate::Laplacian) of any kind.
 
 mod adaptive;

@@ -2,75 +2,39 @@
 
 use fairing_mesh::TriMesh;
 
-use super::field::{Accuracy, CurvatureField};
+use super::field::CurvatureField;
 
-/// Runs an estimator where neighbouring faces agree: on the [oriented](TriMesh::oriented) mesh, or,
-/// where parts are one-sided, on its [double cover](TriMesh::double_cover). At a vertex of a
-/// one-sided part the result is that of the side from which H is not negative.
-pub(super) fn on_oriented<T: TwoSided, E>(
+/// Runs an estimator on the [oriented](TriMesh::oriented) mesh. On one-sided parts, which have no
+/// orientation, H becomes |H|: each vertex takes the side from which H is not negative.
+pub(super) fn on_oriented<T: Signed, E>(
     mesh: &TriMesh,
     estimate: impl FnOnce(&TriMesh) -> Result<T, E>,
 ) -> Result<T, E> {
-    match mesh.double_cover() {
-        None => estimate(&mesh.oriented()),
-        Some((cover, above)) => estimate(&cover).map(|found| found.down(&above)),
+    let mut found = estimate(&mesh.oriented())?;
+    for v in mesh.one_sided_faces().into_iter().flat_map(|f| mesh.faces()[f as usize]) {
+        found.drop_sign(v as usize);
     }
+    Ok(found)
 }
 
 /// Curvature at vertices, with opposite signs on the two sides of the surface.
-pub(super) trait TwoSided {
-    /// H of the vertices.
-    fn mean(&self) -> &[f64];
-
-    /// The values at these vertices.
-    fn taken(&self, vertices: &[u32]) -> Self;
-
-    /// One of the two values above each vertex of a double cover: the one with H ≥ 0 where there
-    /// are two.
-    fn down(&self, above: &[[u32; 2]]) -> Self
-    where
-        Self: Sized,
-    {
-        let side = |&[a, b]: &[u32; 2]| if self.mean()[a as usize] < 0.0 { b } else { a };
-        self.taken(&above.iter().map(side).collect::<Vec<u32>>())
-    }
+pub(super) trait Signed {
+    /// Takes the side of vertex `v` from which H is not negative.
+    fn drop_sign(&mut self, v: usize);
 }
 
-/// The values at these vertices.
-pub(super) fn take<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
-    vertices.iter().map(|&v| values[v as usize]).collect()
-}
-
-impl TwoSided for CurvatureField {
-    fn mean(&self) -> &[f64] {
-        &self.mean
-    }
-
-    fn taken(&self, vertices: &[u32]) -> Self {
-        Self {
-            kappa1: take(&self.kappa1, vertices),
-            kappa2: take(&self.kappa2, vertices),
-            mean: take(&self.mean, vertices),
-            gaussian: take(&self.gaussian, vertices),
-            directions: self.directions.as_ref().map(|all| [0, 1].map(|k| take(&all[k], vertices))),
-            status: take(&self.status, vertices),
-            boundary: take(&self.boundary, vertices),
-            too_thin: self.too_thin,
-            narrowed: self.narrowed,
-            accuracy: self.accuracy.as_ref().map(|all| all.taken(vertices)),
+impl Signed for CurvatureField {
+    fn drop_sign(&mut self, v: usize) {
+        if self.mean[v] >= 0.0 {
+            return;
         }
-    }
-}
-
-impl Accuracy {
-    /// The values at these vertices.
-    fn taken(&self, vertices: &[u32]) -> Self {
-        Self {
-            mean_error: take(&self.mean_error, vertices),
-            gaussian_error: take(&self.gaussian_error, vertices),
-            scale: take(&self.scale, vertices),
-            noise: take(&self.noise, vertices),
-            normals: take(&self.normals, vertices),
+        self.mean[v] = -self.mean[v];
+        (self.kappa1[v], self.kappa2[v]) = (-self.kappa2[v], -self.kappa1[v]);
+        if let Some([first, second]) = &mut self.directions {
+            std::mem::swap(&mut first[v], &mut second[v]);
+        }
+        if let Some(accuracy) = &mut self.accuracy {
+            accuracy.normals[v] = accuracy.normals[v].map(|x| -x);
         }
     }
 }
@@ -78,6 +42,7 @@ impl Accuracy {
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;
+    use glam::DVec3;
 
     use super::*;
     use crate::curvature::{Estimator, mean_curvature, umbrella_mean_curvature};
@@ -129,24 +94,34 @@ mod tests {
         }
     }
 
-    /// Away from the cut ends, a band that is cut open has the curvature of the whole one up to
-    /// its sign.
+    /// Where no neighbourhood meets the cut, a band that is cut open has the curvature of the whole
+    /// one up to its sign.
     #[test]
     fn a_moebius_band_has_curvature_without_a_sign() {
         let band = shapes::moebius(0.4, 60, 8);
-        let far = |f: &[u32; 3]| f.iter().all(|&v| band.positions()[v as usize][0] > -0.7);
-        let open: Vec<_> = band.faces().iter().copied().filter(far).collect();
-        let open = TriMesh::new(band.positions().to_vec(), open).unwrap();
-        let inner = |v: usize| band.positions()[v][0] > 0.3;
-        assert!(open.one_sided_faces().is_empty());
+        let at = |v: u32| DVec3::from(band.positions()[v as usize]);
         for band in [&band, &with_turned_faces(&band)] {
             assert_eq!(band.one_sided_faces().len(), band.face_count());
+            let oriented = band.oriented();
+            let topology = oriented.topology();
+            let cut = topology.orientation().inconsistent_edges();
+            let cut: Vec<[u32; 2]> = cut.iter().map(|&e| topology.edges()[e as usize]).collect();
+            let from_cut = |v: u32| {
+                let all = cut.as_flattened().iter().map(|&w| at(v).distance(at(w)));
+                all.fold(f64::INFINITY, f64::min)
+            };
+            let far = |f: &[u32; 3]| f.iter().all(|&v| from_cut(v) > 0.1);
+            let open: Vec<_> = band.faces().iter().copied().filter(far).collect();
+            let open = TriMesh::new(band.positions().to_vec(), open).unwrap();
+            assert!(open.one_sided_faces().is_empty());
             for estimator in Estimator::all() {
                 let found = estimator.estimate(band).unwrap();
                 let part = estimator.estimate(&open).unwrap();
                 assert!(found.mean.iter().all(|&h| h >= 0.0), "{estimator}");
+                let fields = [&found.mean, &found.gaussian, &found.kappa1, &found.kappa2];
+                assert!(fields.into_iter().flatten().all(|x| x.is_finite()), "{estimator}");
                 let (mut all, mut expected) = (vec![], vec![]);
-                for v in (0..band.vertex_count()).filter(|&v| inner(v)) {
+                for v in (0..band.vertex_count()).filter(|&v| from_cut(v as u32) > 1.0) {
                     all.extend([found.mean[v], found.gaussian[v]]);
                     expected.extend([part.mean[v].abs(), part.gaussian[v]]);
                 }

@@ -16,8 +16,8 @@ use fairing_parameters::Options;
 use super::field::CurvatureField;
 use super::fit::fit_each;
 use super::neighborhood::Neighborhood;
-use crate::NormalEquations;
 use crate::error::OperatorError;
+use crate::normal_equations::NormalEquations;
 
 fairing_parameters::options! {
     /// Options of [`quadric_curvature`].

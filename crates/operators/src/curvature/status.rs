@@ -109,9 +109,10 @@ impl FromIterator<(f64, Undefined, bool)> for ScalarCurvature {
         for (value, reason, boundary) in items {
             let defined = value.is_finite();
             all.values.push(if defined { value } else { 0.0 });
-            all.status.push(match defined {
-                true => VertexStatus::Defined,
-                false => VertexStatus::Undefined(reason),
+            all.status.push(if defined {
+                VertexStatus::Defined
+            } else {
+                VertexStatus::Undefined(reason)
             });
             all.boundary.push(boundary);
         }

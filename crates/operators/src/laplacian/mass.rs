@@ -126,10 +126,7 @@ pub fn positive_lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>
 pub(super) fn give_isolated(mesh: &TriMesh, mass: &mut [f64]) -> Result<(), OperatorError> {
     let (mean, offsets) = (mean(mass), mesh.incidence().offsets());
     for (v, m) in mass.iter_mut().enumerate() {
-        match offsets[v] == offsets[v + 1] {
-            true => *m = mean,
-            false => positive(v as u32, *m)?,
-        }
+        if offsets[v] == offsets[v + 1] { *m = mean } else { positive(v as u32, *m)? }
     }
     Ok(())
 }

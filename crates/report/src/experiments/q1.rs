@@ -119,7 +119,7 @@ impl<'a> Pictures<'a> {
         let coloring = |field: &'a ScalarCurvature, quantity: &'a str, unit: &'a str| Coloring {
             field,
             range: Range::All,
-            options: ScaleOptions::ASSIGNMENT,
+            options: ScaleOptions::EQUALIZED_HUE,
             quantity,
             unit,
         };

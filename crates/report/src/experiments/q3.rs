@@ -220,7 +220,7 @@ fn pictures(
             coloring: Some(Coloring {
                 field: &norms,
                 range: Range::All,
-                options: ScaleOptions::ASSIGNMENT,
+                options: ScaleOptions::EQUALIZED_HUE,
                 quantity: "‖Δx‖/2, cotangent",
                 unit: "1/mesh units",
             }),

@@ -27,10 +27,12 @@ pub(super) const RADII: [f64; COUNT] = {
     let mut all = [1.4; COUNT];
     let mut k = 1;
     while k < COUNT {
-        all[k] = match k < REGRESSIONS {
-            true => regression::RADII[k - 1],
-            false if k < MEANS_FROM => jets::RADII[k - REGRESSIONS],
-            false => regression::RADII[k + 1 - MEANS_FROM],
+        all[k] = if k < REGRESSIONS {
+            regression::RADII[k - 1]
+        } else if k < MEANS_FROM {
+            jets::RADII[k - REGRESSIONS]
+        } else {
+            regression::RADII[k + 1 - MEANS_FROM]
         };
         k += 1;
     }

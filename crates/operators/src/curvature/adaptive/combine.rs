@@ -40,12 +40,13 @@ fn weights(
     quantity: Quantity,
     level: Level,
 ) -> Option<([f64; COUNT], f64)> {
-    let risk: [f64; COUNT] = std::array::from_fn(|k| match all.is_valid(k) {
-        true => {
+    let risk: [f64; COUNT] = std::array::from_fn(|k| {
+        if all.is_valid(k) {
             let variance = all.variance(quantity, k, level);
             f64::from(bias[quantity as usize][k]) + variance + ROUNDING
+        } else {
+            f64::INFINITY
         }
-        false => f64::INFINITY,
     });
     let least = risk.iter().copied().fold(f64::INFINITY, f64::min);
     if !least.is_finite() {

@@ -116,9 +116,12 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
     let all: Vec<Candidates> = (0..count)
         .into_par_iter()
         .with_min_len(1024)
-        .map_init(Work::default, |work, v| match sites.length[v as usize] > 0.0 {
-            true => Candidates::new(&sites, topology, work, v, noise[v as usize].extent).0,
-            false => Candidates::none(),
+        .map_init(Work::default, |work, v| {
+            if sites.length[v as usize] > 0.0 {
+                Candidates::new(&sites, topology, work, v, noise[v as usize].extent).0
+            } else {
+                Candidates::none()
+            }
         })
         .collect();
     let level = |(noise, length): (&Noise, &f64)| Level {

@@ -1,6 +1,7 @@
 //! The level of noise of each component.
 
 use fairing_mesh::TriMesh;
+use fairing_sparse::upper_median;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -41,7 +42,7 @@ impl Noise {
 
     fn new(samples: &[Sample]) -> Self {
         let deviation = |of: fn(&Sample) -> Option<f64>| {
-            median(samples.iter().filter_map(of).collect()).map(|x| x / MEDIAN)
+            upper_median(samples.iter().filter_map(of).collect()).map(|x| x / MEDIAN)
         };
         // On coarse meshes few jets are valid, where the surface is flattest.
         let known = samples.iter().filter(|s| s.residual.is_some()).count();
@@ -116,9 +117,4 @@ pub(super) fn noise(mesh: &TriMesh, sites: &Sites) -> Vec<Noise> {
     let noise: Vec<Noise> = chosen.iter().map(of_component).collect();
     let at = |v: u32| components.label(v).map_or(Noise::NONE, |c| noise[c as usize]);
     (0..mesh.vertex_count() as u32).map(at).collect()
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::gather::{Neighbor, turn_of_frame};
 use super::site::{Site, Sites};
-use crate::NormalEquations;
+use crate::normal_equations::NormalEquations;
 
 /// The radii of the regressions, in local mean edges.
 pub(super) const RADII: [f64; 6] = [2.0, 2.75, 4.0, 5.5, 8.0, 11.0];

@@ -54,9 +54,10 @@ impl Sites {
             .with_min_len(4096)
             .map(|f| {
                 let u = mesh.faces()[f].map(|v| normals[v as usize]);
-                match u.contains(&[0.0; 3]) {
-                    true => CorrectedMeasures::default(),
-                    false => CorrectedMeasures::from_triangle(triangle(f), u),
+                if u.contains(&[0.0; 3]) {
+                    CorrectedMeasures::default()
+                } else {
+                    CorrectedMeasures::from_triangle(triangle(f), u)
                 }
             })
             .collect();
