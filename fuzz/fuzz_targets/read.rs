@@ -3,25 +3,25 @@
 use std::sync::LazyLock;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
+use fairing_mesh::io::{self, Format, Reader, VertexFields, WriteOptions};
 
 /// The name of the file, by the environment variable `NAME`; without one the content decides.
 static NAME: LazyLock<String> = LazyLock::new(|| std::env::var("NAME").unwrap_or_default());
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let mut options = ReadOptions::default();
-    options.max_bytes = 1 << 20;
-    check(&NAME, bytes, &options);
+    let mut reader = Reader::default();
+    reader.max_bytes = 1 << 20;
+    check(&NAME, bytes, &reader);
     if NAME.ends_with(".gz") {
         // A sound header, which damaged and sound streams follow.
-        check(&NAME, &[&[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 0xff], bytes].concat(), &options);
+        check(&NAME, &[&[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 0xff], bytes].concat(), &reader);
     }
 });
 
 /// Any bytes are read without panic or hang; the mesh is valid, and written as PLY it reads back as
 /// the same, with the values of its fields.
-fn check(name: &str, bytes: &[u8], options: &ReadOptions) {
-    let Ok(file) = io::read_bytes(name, bytes, options) else { return };
+fn check(name: &str, bytes: &[u8], reader: &Reader) {
+    let Ok(file) = reader.read_bytes(name, bytes) else { return };
     let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
     TriMesh::new(positions, faces).expect("what is read is valid");
     for options in [WriteOptions::default(), WriteOptions::ascii()] {
@@ -36,7 +36,7 @@ fn check(name: &str, bytes: &[u8], options: &ReadOptions) {
         };
         // PLY holds no objects, groups and materials.
         fields.faces.statements = Default::default();
-        let again = io::read_bytes("", &written, &ReadOptions::strict());
+        let again = Reader::strict().read_bytes("", &written);
         let again = again.expect("what is written can be read");
         assert_eq!(again.mesh, file.mesh);
         assert_eq!(values(&again.fields), values(&fields));

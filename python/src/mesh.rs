@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fairing_mesh::io::{
-    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, Statements,
+    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadReport, Reader, Statements,
     UnsupportedFields, VertexFields, WriteOptions,
 };
 use fairing_mesh::{
@@ -389,12 +389,12 @@ fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py,
     Ok(dict)
 }
 
-fn read_options(strict: bool, drop_broken: bool) -> Result<ReadOptions> {
+fn reader(strict: bool, drop_broken: bool) -> Result<Reader> {
     match (strict, drop_broken) {
         (true, true) => Err(Error::option("strict refuses what drop_broken leaves out")),
-        (true, false) => Ok(ReadOptions::strict()),
-        (false, true) => Ok(ReadOptions::dropping_broken()),
-        (false, false) => Ok(ReadOptions::default()),
+        (true, false) => Ok(Reader::strict()),
+        (false, true) => Ok(Reader::dropping_broken()),
+        (false, false) => Ok(Reader::default()),
     }
 }
 
@@ -406,8 +406,8 @@ fn read(
     drop_broken: bool,
     call: Call,
 ) -> PyResult<FileParts<'_>> {
-    let options = read_options(strict, drop_broken)?;
-    let file = call.run(py, move || Ok(io::read_with(&path, &options)?))?;
+    let reader = reader(strict, drop_broken)?;
+    let file = call.run(py, move || Ok(reader.read(&path)?))?;
     parts(py, file)
 }
 
@@ -420,8 +420,8 @@ fn read_bytes(
     drop_broken: bool,
     call: Call,
 ) -> PyResult<FileParts<'_>> {
-    let options = read_options(strict, drop_broken)?;
-    let file = call.run(py, move || Ok(io::read_bytes(&name, &bytes, &options)?))?;
+    let reader = reader(strict, drop_broken)?;
+    let file = call.run(py, move || Ok(reader.read_bytes(&name, &bytes)?))?;
     parts(py, file)
 }
 

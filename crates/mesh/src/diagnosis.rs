@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::TriMesh;
 use crate::repair::rounding;
+use crate::trimesh::TriMesh;
 use crate::weld::places_of;
 
 /// The number of elements of one kind, and the lowest of them.

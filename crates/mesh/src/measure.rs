@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// Elements per partial sum; fixed, so that sums do not depend on the number
 /// of threads.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 impl TriMesh {
     /// The mesh with every face flipped that disagrees with its part. Positions, the order of

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use crate::TriMesh;
-use crate::{BuildError, Topology};
+use crate::build::BuildError;
+use crate::topology::Topology;
+use crate::trimesh::TriMesh;
 
 /// Cuts each face into four at the midpoints of its edges; the surface does not change.
 ///

@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use rayon::prelude::*;
 
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// Joins corners at exactly equal positions to one vertex, numbered in order of
 /// first appearance. −0 equals 0; the sign of the first appearance is kept.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_mesh::TriMesh;
-use fairing_mesh::io::{self, Format, MeshFile, ReadOptions, VertexFields, WriteOptions};
+use fairing_mesh::io::{self, Format, MeshFile, Reader, VertexFields, WriteOptions};
 use fairing_operators::vertex_normals;
 use serde_json::{Map, Value, json};
 
@@ -22,11 +22,9 @@ pub(crate) fn sample(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
 
 /// The bytes of a file: `name`, whose extension counts, and `drop_broken`.
 pub(crate) fn read(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
-    let options = match request.flag("drop_broken") {
-        true => ReadOptions::dropping_broken(),
-        false => ReadOptions::default(),
-    };
-    let file = io::read_bytes(request.text("name")?, request.bytes, &options)?;
+    let drop_broken = request.flag("drop_broken");
+    let reader = if drop_broken { Reader::dropping_broken() } else { Reader::default() };
+    let file = reader.read_bytes(request.text("name")?, request.bytes)?;
     let MeshFile { mesh, fields, report, .. } = file;
     let mut value = serde_json::to_value(&report)?;
     value["text"] = json!(report.to_string());

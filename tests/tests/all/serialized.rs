@@ -16,7 +16,7 @@ use fairing::figure::{
     Wireframe,
 };
 use fairing::mesh::Diagnosis;
-use fairing::mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
+use fairing::mesh::io::{self, Format, Reader, VertexFields, WriteOptions};
 use fairing::operators::curvature::{Estimator, umbrella_mean_curvature};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing::smoothing::{
@@ -50,7 +50,7 @@ fn check_options<T: Serialize + DeserializeOwned + PartialEq + Debug + Default>(
 
 #[test]
 fn options_may_be_left_out_and_are_checked_by_name() {
-    check_options::<ReadOptions>();
+    check_options::<Reader>();
     check_options::<WriteOptions>();
     check_options::<EigenOptions>();
     check_options::<CgOptions>();
@@ -159,6 +159,6 @@ fn reports_and_scores_come_back() {
 
     let bytes =
         io::to_bytes(Format::Ply, &noisy, &VertexFields::default(), &WriteOptions::default());
-    let file = io::read_bytes("", &bytes.unwrap(), &ReadOptions::default()).unwrap();
+    let file = Reader::default().read_bytes("", &bytes.unwrap()).unwrap();
     assert_eq!(json_of(&file.report)["format"], json!(Format::Ply.name()));
 }

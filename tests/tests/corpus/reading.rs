@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fairing_mesh::io::{self, Format, ReadOptions, Strictness, WriteOptions};
+use fairing_mesh::io::{self, Format, Reader, Strictness, WriteOptions};
 use libtest_mimic::Failed;
 
 use crate::Test;
@@ -121,10 +121,10 @@ fn triangles(folder: &Path) -> Result<(), Failed> {
 }
 
 fn strict(folder: &Path) -> Result<(), Failed> {
-    let options = ReadOptions::strict();
-    assert_eq!(options.strictness, Strictness::Strict);
+    let reader = Reader::strict();
+    assert_eq!(reader.strictness, Strictness::Strict);
     for (file, ..) in FILES {
-        let read = io::read_with(folder.join(file), &options);
+        let read = reader.read(folder.join(file));
         // The faces of this file have six values more than its header says.
         let refused = file == "standard/fuze_ascii.ply";
         match read {
@@ -196,7 +196,7 @@ fn formats(folder: &Path) -> Result<(), Failed> {
             let bytes = io::to_bytes(format, &read.mesh, &read.fields, &options.dropping_fields());
             let bytes = bytes.map_err(|e| failed(file, e))?;
             let name = format!("mesh.{}", format.extensions()[0]);
-            let again = io::read_bytes(name, &bytes, &ReadOptions::strict());
+            let again = Reader::strict().read_bytes(name, &bytes);
             let again = again.map_err(|e| failed(file, format!("{format}: {e}")))?;
             let round = |x: f64| if holds.exact { x } else { f64::from(x as f32) };
             let positions = read.mesh.positions().iter().map(|p| p.map(round));

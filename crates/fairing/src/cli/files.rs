@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::{
-    self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
-    WriteError, WriteOptions, WriteProblem, WriteReport,
+    self, Format, MeshFile, ReadError, ReadProblem, ReadReport, Reader, VertexFields, WriteError,
+    WriteOptions, WriteProblem, WriteReport,
 };
 use fairing::watch;
 use serde_json::Value;
@@ -178,15 +178,16 @@ pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> 
     read_with(context, path, &reading(context))
 }
 
-/// [`read`] with options.
+/// [`read`] by another reader.
 pub(crate) fn read_with(
     context: &Context,
     path: &Path,
-    options: &ReadOptions,
+    reader: &Reader,
 ) -> Result<MeshFile, Failure> {
-    let file = match is_stream(path) {
-        true => io::read_from(stdin().lock(), context.from, options).map_err(in_stdin),
-        false => io::read_with(path, options),
+    let file = if is_stream(path) {
+        reader.read_from(stdin().lock(), context.from).map_err(in_stdin)
+    } else {
+        reader.read(path)
     };
     let file = file.map_err(unreadable)?;
     memory::require_for_mesh(file.mesh.vertex_count())?;
@@ -213,16 +214,14 @@ fn in_stdin(mut error: ReadError) -> ReadError {
     error
 }
 
-/// Reading options shared by all verbs.
-pub(crate) fn reading(context: &Context) -> ReadOptions {
-    let mut options = match context.drop_broken {
-        true => ReadOptions::dropping_broken(),
-        false => ReadOptions::default(),
-    };
+/// The reader of all verbs.
+pub(crate) fn reading(context: &Context) -> Reader {
+    let mut reader =
+        if context.drop_broken { Reader::dropping_broken() } else { Reader::default() };
     if let Some(bytes) = memory::largest_file() {
-        options.max_bytes = bytes;
+        reader.max_bytes = bytes;
     }
-    options
+    reader
 }
 
 /// The failure to read a file, with the option that would read it if there is one.

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3xX, Point3};
 
-use crate::{BuildError, TriMesh};
+use crate::build::BuildError;
+use crate::trimesh::TriMesh;
 
 /// The positions.
 ///

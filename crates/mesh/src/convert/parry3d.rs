@@ -2,7 +2,8 @@
 
 use parry3d_f64::shape;
 
-use crate::{BuildError, TriMesh};
+use crate::build::BuildError;
+use crate::trimesh::TriMesh;
 
 /// The same vertices and faces in the same order.
 ///

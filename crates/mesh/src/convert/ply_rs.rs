@@ -4,7 +4,9 @@ use ply_rs::ply::{
     Addable, DefaultElement, ElementDef, Ply, Property, PropertyDef, PropertyType, ScalarType,
 };
 
-use crate::{BuildError, PolygonMesh, TriMesh};
+use crate::build::BuildError;
+use crate::polygon::PolygonMesh;
+use crate::trimesh::TriMesh;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const CORNERS: &str = "vertex_indices";

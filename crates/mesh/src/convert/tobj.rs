@@ -1,6 +1,8 @@
 //! Meshes of tobj. Its vertices are in the order in which faces first use them.
 
-use crate::{BuildError, PolygonMesh, TriMesh};
+use crate::build::BuildError;
+use crate::polygon::PolygonMesh;
+use crate::trimesh::TriMesh;
 
 /// Positions and faces; polygons are split by [`PolygonMesh::triangulate`].
 ///

@@ -118,13 +118,13 @@ pub enum ReadProblem {
     /// The compressed data are damaged.
     #[error("cannot be decompressed: {0}")]
     Compression(io::Error),
-    /// The file or stream exceeds the limit of [`ReadOptions`](super::ReadOptions).
+    /// The file or stream exceeds the limit of [`Reader`](super::Reader).
     #[error("there are more than {limit} bytes, the limit")]
     TooLong {
         /// The most bytes that are read.
         limit: u64,
     },
-    /// The decompressed content exceeds the limit of [`ReadOptions`](super::ReadOptions).
+    /// The decompressed content exceeds the limit of [`Reader`](super::Reader).
     #[error("{compressed} compressed bytes unpack to more than {limit} bytes, the limit")]
     Grows {
         /// The size of the file.

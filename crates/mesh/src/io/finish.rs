@@ -2,7 +2,7 @@
 
 use crate::io::error::{Fault, ReadProblem};
 use crate::io::parsed::Parsed;
-use crate::io::{FaceFields, Format, ReadOptions, ReadReport, Strictness, VertexFields};
+use crate::io::{FaceFields, Format, ReadReport, Reader, Strictness, VertexFields};
 use crate::polygon::{Distinct, Polygons, first_mentions};
 
 /// The parts of a mesh, with the report.
@@ -35,7 +35,7 @@ impl Parsed {
         mut self,
         format: Format,
         compressed: bool,
-        options: &ReadOptions,
+        reader: &Reader,
     ) -> Result<Finished, Fault> {
         let vertices = self.positions.len();
         if vertices == 0 {
@@ -48,7 +48,7 @@ impl Parsed {
         check_size("corners", split * corners)?;
         self.leave_out_nonfinite_fields();
         let file_faces = self.polygons.len();
-        let dropped = match options.strictness {
+        let dropped = match reader.strictness {
             Strictness::DropBroken => self.drop_broken()?,
             Strictness::Lenient | Strictness::Strict => Dropped::default(),
         };
@@ -64,15 +64,11 @@ impl Parsed {
         if !dropped.faces.is_empty() {
             reduced.iter_mut().chain(&mut left_out).for_each(|face| *face = dropped.kept[*face]);
         }
-        if options.strictness == Strictness::Strict {
+        if reader.strictness == Strictness::Strict {
             check_strictly(&reduced, &left_out, &self.doubts)?;
         }
-        let larger = match &polygons {
-            Polygons::Triangles(_) => 0,
-            Polygons::Mixed { .. } => {
-                (0..polygons.len()).filter(|&f| polygons.face(f).len() > 3).count()
-            }
-        };
+        let mixed = if let Polygons::Triangles(_) = polygons { 0..0 } else { 0..polygons.len() };
+        let larger = mixed.filter(|&f| polygons.face(f).len() > 3).count();
         self.notes.append(&mut self.doubts);
         let first = |all: &[usize]| all.iter().copied().take(ReadReport::NAMED).collect();
         let report = ReadReport {

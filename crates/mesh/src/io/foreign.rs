@@ -92,7 +92,7 @@ pub(super) fn kind(bytes: &[u8]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::io::ReadOptions;
+    use crate::io::Reader;
     use crate::io::tests::refusal;
 
     /// Under their own names and under that of a format that is read.
@@ -128,7 +128,7 @@ mod tests {
                 ("a.ply", "the name says PLY, but the content is"),
                 ("a.vtp", "the name says VTP, but the content is"),
             ] {
-                let found = refusal(name, &bytes, &ReadOptions::default());
+                let found = refusal(name, &bytes, &Reader::default());
                 for part in [begins, kind, reader, "can turn it into PLY"] {
                     assert!(found.contains(part), "{part}: {found}");
                 }

@@ -4,19 +4,19 @@ use std::io::{ErrorKind, Read};
 
 use flate2::read::MultiGzDecoder;
 
-use crate::io::ReadOptions;
+use crate::io::Reader;
 use crate::io::error::{Fault, ReadProblem};
 
 /// Decompresses all members of a gzip file.
 ///
 /// Memory grows with the decoded bytes, never with a size that the file
-/// claims; decoding stops at the limit of the options.
-pub(crate) fn unpack(bytes: &[u8], options: &ReadOptions) -> Result<Vec<u8>, Fault> {
+/// claims; decoding stops at the limit of the reader.
+pub(crate) fn unpack(bytes: &[u8], reader: &Reader) -> Result<Vec<u8>, Fault> {
     const STEP: usize = 1 << 18;
     let by_ratio = (bytes.len() as u64)
-        .saturating_mul(options.max_unpack_ratio)
-        .saturating_add(ReadOptions::FREE_UNPACKED_BYTES);
-    let limit = by_ratio.min(options.max_bytes);
+        .saturating_mul(reader.max_unpack_ratio)
+        .saturating_add(Reader::FREE_UNPACKED_BYTES);
+    let limit = by_ratio.min(reader.max_bytes);
     let mut decoder = MultiGzDecoder::new(bytes);
     let mut output = Vec::new();
     let mut block = vec![0u8; STEP.min(bytes.len().saturating_mul(4).max(1))];

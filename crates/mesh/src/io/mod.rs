@@ -14,7 +14,7 @@
 //!   and are left out. The report lists both; [strict](Strictness::Strict)
 //!   reading refuses them.
 //! - A position that is not finite or an index without a vertex is an error;
-//!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
+//!   [`Reader::dropping_broken`] leaves out the faces concerned.
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
 //! - Vertex and face properties of PLY, VTP and GLB, colours and normals of vertices and
@@ -27,7 +27,7 @@
 //!   too, with its buffers in it or beside it.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
-//! and [`ReadOptions`] bounds the size of decompressed files.
+//! and [`Reader`] bounds the size of decompressed files.
 //!
 //! Features of the crate: `io` reads files and bytes and encodes bytes, `gzip`
 //! reads compressed files, `files` (on by default) writes files.
@@ -50,10 +50,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod arrays;
-mod column;
+mod columns;
 mod error;
-mod field_check;
 mod fields;
 mod finish;
 mod foreign;
@@ -81,19 +79,18 @@ mod whole;
 mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
-pub use field_check::unsupported;
 pub use fields::{FaceFields, VertexFields};
 pub use format::{Format, NamedFormat};
 pub use number_type::NumberType;
 pub use obj::Statements;
-pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFields, WriteOptions};
-pub use read::{MeshFile, read, read_bytes, read_from, read_with};
+pub use options::{Encoding, FloatWidth, Reader, Strictness, UnsupportedFields, WriteOptions};
+pub use read::{MeshFile, read};
 pub use report::{ReadReport, WriteReport};
 pub use row::Holds;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use whole::{check_writable, discard_unfinished, write_whole};
-pub use write::{to_bytes, write_to};
+pub use write::{to_bytes, unsupported, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_with_fields};
 

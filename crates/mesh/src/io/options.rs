@@ -18,11 +18,11 @@ pub enum Strictness {
     DropBroken,
 }
 
-/// Options for reading.
+/// A reader of mesh files by these rules and limits; [`read`](super::read) takes the default.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct ReadOptions {
+pub struct Reader {
     /// The treatment of content that a mesh cannot hold.
     pub strictness: Strictness,
     /// The largest size of a file or stream, in bytes, and that of its decompressed content.
@@ -33,7 +33,7 @@ pub struct ReadOptions {
     pub max_unpack_ratio: u64,
 }
 
-impl ReadOptions {
+impl Reader {
     /// A decompressed size in bytes that is always allowed, even for a tiny file.
     pub const FREE_UNPACKED_BYTES: u64 = 16 << 20;
 
@@ -45,18 +45,18 @@ impl ReadOptions {
         bytes.saturating_mul(ratio).saturating_add(free)
     }
 
-    /// The default options with [`Strictness::DropBroken`].
+    /// A reader with [`Strictness::DropBroken`].
     pub fn dropping_broken() -> Self {
         Self { strictness: Strictness::DropBroken, ..Self::default() }
     }
 
-    /// The default options with [`Strictness::Strict`].
+    /// A reader with [`Strictness::Strict`].
     pub fn strict() -> Self {
         Self { strictness: Strictness::Strict, ..Self::default() }
     }
 }
 
-impl Default for ReadOptions {
+impl Default for Reader {
     fn default() -> Self {
         Self { strictness: Strictness::Lenient, max_bytes: 16 << 30, max_unpack_ratio: 250 }
     }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::PolygonFaces;
 use crate::io::VertexFields;
 use crate::io::number::put_integer;
+use crate::polygon::PolygonFaces;
 
 /// A mesh to encode, with its fields.
 #[derive(Clone, Copy)]

@@ -1,7 +1,8 @@
 //! Fields of polygons as those of triangles, and back.
 
 use crate::io::{FaceFields, VertexFields};
-use crate::{PolygonFaces, PolygonMesh, TriMesh};
+use crate::polygon::{PolygonFaces, PolygonMesh};
+use crate::trimesh::TriMesh;
 
 /// [`PolygonMesh::triangulate`] with the fields of the mesh: each triangle gets the values of
 /// its polygon, and its corners keep their texture coordinates.

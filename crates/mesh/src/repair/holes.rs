@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::patch::Patch;
 use super::{OpenHole, OpenReason, RepairStep, Work};
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// The numbers of common places of two holes whose arcs are exchanged. Holes with more lie along
 /// each other.

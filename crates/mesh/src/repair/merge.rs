@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::copies::without_copies;
 use super::near::within;
 use super::{RepairOptions, RepairStep, Tolerance, Work, rounding, split};
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 use crate::weld::places_of;
 
 impl Work {
@@ -46,10 +46,7 @@ impl Work {
             surface = surface.turned(&flips);
         }
         watch::check();
-        let sheets = match options.split {
-            true => split::sheets(&surface),
-            false => surface.faces().to_vec(),
-        };
+        let sheets = if options.split { split::sheets(&surface) } else { surface.faces().to_vec() };
         self.renumber(&places, &corners, &sheets);
     }
 

@@ -19,8 +19,8 @@ mod thin;
 
 use fairing_watch as watch;
 
-use crate::TriMesh;
 use crate::build::check_positions;
+use crate::trimesh::TriMesh;
 use crate::weld::places_of;
 
 pub use self::options::{RepairError, RepairOptions, Tolerance};

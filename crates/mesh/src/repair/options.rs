@@ -3,8 +3,8 @@
 use fairing_parameters::{ParameterError, Range};
 
 use super::rounding;
-use crate::TriMesh;
 use crate::build::BuildError;
+use crate::trimesh::TriMesh;
 
 /// The distance up to which [`repair`](super::repair) merges vertices.
 ///

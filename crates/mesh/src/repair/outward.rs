@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{RepairOptions, Work};
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// A component whose faces agree.
 struct Part {
@@ -50,10 +50,8 @@ impl Work {
             let cavity = around[i].len() % 2 == 1;
             parts[i].is_closed && parts[i].volume != 0.0 && cavity == (parts[i].volume > 0.0)
         };
-        let turned: Vec<bool> = match options.cavities {
-            true => (0..parts.len()).map(has_wrong_sign).collect(),
-            false => (0..parts.len()).map(holder_is).collect(),
-        };
+        let is_turned = |i| if options.cavities { has_wrong_sign(i) } else { holder_is(i) };
+        let turned: Vec<bool> = (0..parts.len()).map(is_turned).collect();
         for i in (0..parts.len()).filter(|&i| !options.cavities && has_wrong_sign(i) != turned[i]) {
             self.nested.extend(parts[i].faces.iter().find_map(|&f| self.face_sources[f as usize]));
         }

@@ -1,8 +1,8 @@
 //! The result of a repair.
 
-use crate::TriMesh;
 #[cfg(feature = "io")]
 use crate::io::{NumberType, VertexFields};
+use crate::trimesh::TriMesh;
 
 /// A step of [`repair`](super::repair).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

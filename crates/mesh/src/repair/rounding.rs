@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 
 use super::near::within;
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 use crate::weld::places_of;
 
 /// Four units in the last place of single precision, as a fraction of the largest number.
@@ -14,11 +14,12 @@ const UNITS: f64 = 4.0 * (f32::EPSILON as f64);
 /// The distance up to which coordinates of single precision may differ by rounding, in mesh units.
 pub(crate) fn distance(mesh: &TriMesh) -> f64 {
     let numbers = mesh.positions().as_flattened();
-    let largest = match numbers.iter().all(|&x| f64::from(x as f32) == x) {
-        true => numbers.iter().fold(0.0, |max: f64, x| max.max(x.abs())),
-        false => mesh
-            .bounding_box()
-            .map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)),
+    let largest = if numbers.iter().all(|&x| f64::from(x as f32) == x) {
+        numbers.iter().fold(0.0, |max: f64, x| max.max(x.abs()))
+    } else {
+        let side =
+            |[low, high]: [[f64; 3]; 2]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        mesh.bounding_box().map_or(0.0, side)
     };
     UNITS * largest
 }

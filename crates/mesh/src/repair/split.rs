@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// For each corner the number of its sheet; corners of one vertex in one sheet share a number.
 ///

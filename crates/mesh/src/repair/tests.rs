@@ -3,7 +3,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::Diagnosis;
+use crate::diagnosis::Diagnosis;
 
 fn mesh(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> TriMesh {
     TriMesh::new(positions.to_vec(), faces.to_vec()).unwrap()

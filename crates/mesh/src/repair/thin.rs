@@ -6,7 +6,7 @@ use fairing_watch as watch;
 use glam::DVec3;
 
 use super::{RepairStep, Work};
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// The most passes over the thin faces; neighbours of a changed face wait for the next pass.
 const MAX_PASSES: usize = 50;
@@ -60,10 +60,7 @@ fn used(count: usize, faces: &[[u32; 3]]) -> Vec<bool> {
 /// The ratio of height to longest edge: twice the area over the square of the longest edge.
 fn quality([a, b, c]: [DVec3; 3]) -> f64 {
     let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-    match longest > 0.0 {
-        true => (b - a).cross(c - a).length() / longest,
-        false => 0.0,
-    }
+    if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
 }
 
 /// One pass over the thin faces. The neighbours and faces that a change examines are those after
@@ -273,7 +270,8 @@ impl<'a> Pass<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::{RepairOptions, RepairStep, repair};
-    use crate::{Diagnosis, TriMesh};
+    use crate::diagnosis::Diagnosis;
+    use crate::trimesh::TriMesh;
 
     /// A disc around a hub and a cone over a disc: changes on opposite sides of a hub are made in
     /// one pass, so that few passes do for thousands of thin faces.

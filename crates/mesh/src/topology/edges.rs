@@ -86,9 +86,10 @@ impl EdgeTables {
         let mut end = self.lower_offsets[lo as usize + 1];
         while end - e > 16 {
             let middle = e + (end - e) / 2;
-            match self.edges[middle as usize][1] <= hi {
-                true => e = middle,
-                false => end = middle,
+            if self.edges[middle as usize][1] <= hi {
+                e = middle;
+            } else {
+                end = middle;
             }
         }
         while self.edges[e as usize][1] != hi {

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use proptest::prelude::*;
 
 use super::{Fan, Topology};
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 fn mesh(vertex_count: usize, faces: &[[u32; 3]]) -> TriMesh {
     let positions = (0..vertex_count).map(|i| [i as f64, (i * i) as f64, 0.0]).collect();

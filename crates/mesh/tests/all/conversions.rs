@@ -61,14 +61,14 @@ fn meshes_of_tobj_are_read() {
 #[cfg(feature = "ply-rs")]
 #[test]
 fn content_of_ply_rs_is_read_and_written() {
-    use fairing_mesh::io::{self, ReadOptions};
+    use fairing_mesh::io::Reader;
     use ply_rs::ply::{DefaultElement, Ply, Property};
     let mesh = shapes::icosphere(2);
     let mut ply = Ply::<DefaultElement>::from(&mesh);
     assert_eq!(TriMesh::try_from(&ply).unwrap(), mesh);
     let mut bytes = Vec::new();
     ply_rs::writer::Writer::new().write_ply(&mut bytes, &mut ply).unwrap();
-    assert_eq!(io::read_bytes("", &bytes, &ReadOptions::strict()).unwrap().mesh, mesh);
+    assert_eq!(Reader::strict().read_bytes("", &bytes).unwrap().mesh, mesh);
     let corners = Property::ListInt(vec![0, 1, -1]);
     ply.payload["face"][3].insert("vertex_indices".to_owned(), corners);
     let error = TriMesh::try_from(&ply).unwrap_err().to_string();

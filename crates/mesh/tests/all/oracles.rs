@@ -6,12 +6,12 @@ use ply_rs::parser::Parser;
 use ply_rs::ply::{DefaultElement, Property};
 
 use fairing_mesh::io::{
-    FloatWidth, Format, MeshFile, ReadOptions, VertexFields, WriteOptions, read_bytes, to_bytes,
+    FloatWidth, Format, MeshFile, Reader, VertexFields, WriteOptions, to_bytes,
 };
 use fairing_shapes as shapes;
 
 fn read(name: &str, bytes: &[u8]) -> MeshFile {
-    read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    Reader::default().read_bytes(name, bytes).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// tobj keeps the order of vertices only if faces use them in that order, and reads

@@ -7,7 +7,7 @@ use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
-use fairing_mesh::io::{self, ReadOptions};
+use fairing_mesh::io::Reader;
 use fairing_sparse::larger;
 
 use super::families::{self, TEXT};
@@ -66,7 +66,7 @@ impl Experiment for Denoisers {
         let mut scores = scores_table()?;
         literature(context, &mut scores, &mut outcome)?;
         let read = |(name, bytes): (&'static str, &[u8])| {
-            Body::new(name, io::read_bytes(name, bytes, &ReadOptions::default())?.mesh)
+            Body::new(name, Reader::default().read_bytes(name, bytes)?.mesh)
         };
         let bodies: Vec<Body> = GENERATED.into_iter().map(read).collect::<Result<_>>()?;
         let levels = context.choose(&LEVELS[..], &LEVELS[2..]);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use fairing_mesh::io::{self, Format, ReadOptions};
+use fairing_mesh::io::{Format, Reader};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
@@ -60,7 +60,7 @@ pub(crate) fn corpus(module: PathBuf) -> Result<()> {
     for path in paths {
         let bytes = std::fs::read(&path)?;
         let small = bytes.len() <= SMALL;
-        let found = io::read_bytes(name(&path), &bytes, &ReadOptions::default());
+        let found = Reader::default().read_bytes(name(&path), &bytes);
         requests.push(read(name(&path), bytes));
         if found.is_err() {
             continue;

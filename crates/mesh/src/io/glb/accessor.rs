@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::document::Document;
 use crate::io::glb::entry::Entry;
-use crate::io::{NumberType, ReadOptions};
+use crate::io::{NumberType, Reader};
 
 /// The reader of arrays.
 pub(super) struct Accessors<'a> {
@@ -35,7 +35,7 @@ struct Part<'a> {
 
 impl<'a> Accessors<'a> {
     pub(super) fn new(document: &'a Document<'a>, file: usize) -> Self {
-        Self { document, budget: ReadOptions::unpacked_limit(file) }
+        Self { document, budget: Reader::unpacked_limit(file) }
     }
 
     /// The array of an index, whose bounds are checked.
@@ -243,11 +243,12 @@ impl Accessor<'_> {
         }
     }
 
-    /// A problem of a number of elements.
-    pub(super) fn unequal(&self, entry: &Entry<'_>, expected: usize) -> Option<Fault> {
-        let found = self.count;
-        let problem =
-            || unexpected(format!("{expected} elements of {}", entry.path()), found.to_string());
-        (found != expected).then(|| Fault::whole(problem()))
+    /// Fails unless there are as many elements.
+    pub(super) fn require_count(&self, entry: &Entry<'_>, expected: usize) -> Result<(), Fault> {
+        if self.count == expected {
+            return Ok(());
+        }
+        let expected = format!("{expected} elements of {}", entry.path());
+        Err(Fault::whole(unexpected(expected, self.count.to_string())))
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::io::NumberType;
-use crate::io::arrays::{NamedArray, columns};
+use crate::io::columns::{NamedArray, from_arrays};
 use crate::io::error::{Fault, unexpected};
 use crate::io::glb::accessor::Accessors;
 use crate::io::glb::buffers::Beside;
@@ -25,10 +25,10 @@ pub(crate) fn parse(bytes: &[u8], broken: Broken, beside: Beside<'_>) -> Result<
     let mut parsed = Parsed::default();
     note_ignored(&root, &mut parsed.notes)?;
     let instances = instances(&root, &mut parsed.notes)?;
-    let accessors = Accessors::new(&document, bytes.len() + document.length());
-    let mut joined = Joined::new(accessors, parsed, broken);
+    let mut accessors = Accessors::new(&document, bytes.len() + document.length());
+    let mut joined = Joined { parsed, broken, ..Joined::default() };
     for instance in &instances {
-        joined.add(&root, instance)?;
+        joined.add(&mut accessors, &root, instance)?;
     }
     if instances.len() > 1 {
         joined.parsed.notes.push(format!("{} meshes are one mesh", instances.len()));
@@ -93,8 +93,8 @@ struct Shared<'a> {
 }
 
 /// The vertices and faces of the instances so far.
-struct Joined<'a> {
-    accessors: Accessors<'a>,
+#[derive(Default)]
+struct Joined {
     broken: Broken,
     parsed: Parsed,
     arrays: Vec<NamedArray>,
@@ -107,43 +107,30 @@ struct Joined<'a> {
     ignored: BTreeSet<String>,
 }
 
-impl<'a> Joined<'a> {
-    fn new(accessors: Accessors<'a>, parsed: Parsed, broken: Broken) -> Self {
-        Self {
-            accessors,
-            broken,
-            parsed,
-            arrays: vec![],
-            places: HashMap::new(),
-            colors: vec![],
-            lines: 0,
-            alphas: 0,
-            ignored: BTreeSet::new(),
-        }
-    }
-
-    fn add(&mut self, root: &Entry<'a>, instance: &Instance) -> Result<(), Fault> {
+impl Joined {
+    fn add<'a>(
+        &mut self,
+        accessors: &mut Accessors<'a>,
+        root: &Entry<'a>,
+        instance: &Instance,
+    ) -> Result<(), Fault> {
         let mesh = root.at("meshes", instance.mesh)?;
         let mut known: Option<Shared<'a>> = None;
         for primitive in mesh.list("primitives")? {
-            self.accessors.spend(&primitive, 1, PRIMITIVE)?;
+            accessors.spend(&primitive, 1, PRIMITIVE)?;
             if !primitive.list("targets")?.is_empty() {
                 self.ignored.insert("morph targets".to_owned());
             }
-            let Some(attributes) = primitive.get("attributes") else {
-                return Err(primitive.fault("attributes", "none"));
-            };
-            let Some(position) = attributes.get("POSITION") else {
-                return Err(attributes.fault("POSITION", "none"));
-            };
+            let attributes = primitive.required("attributes")?;
+            let position = attributes.required("POSITION")?;
             let known_before = known.as_ref().filter(|shared| shared.attributes == attributes);
             let count = match known_before {
                 Some(shared) => shared.count,
-                None => self.accessors.open(position.count()?)?.count,
+                None => accessors.open(position.count()?)?.count,
             };
             let faces = self.parsed.polygons.len();
-            let triangles = shape(&mut self.accessors, &primitive, count, faces, self.broken)?;
-            let Shape::Triangles(triangles) = triangles else {
+            let triangles = triangles(accessors, &primitive, count, faces, self.broken)?;
+            let Some(triangles) = triangles else {
                 self.lines += 1;
                 continue;
             };
@@ -152,7 +139,7 @@ impl<'a> Joined<'a> {
                 None => {
                     // Too many vertices are refused later.
                     let first = self.parsed.positions.len() as u32;
-                    self.vertices(&attributes, &instance.to_scene)?;
+                    self.vertices(accessors, &attributes, &instance.to_scene)?;
                     known = Some(Shared { attributes, first, count });
                     first
                 }
@@ -168,9 +155,15 @@ impl<'a> Joined<'a> {
     }
 
     /// Adds the vertices of a primitive with their attributes.
-    fn vertices(&mut self, attributes: &Entry<'a>, to_scene: &DAffine3) -> Result<(), Fault> {
+    fn vertices<'a>(
+        &mut self,
+        accessors: &mut Accessors<'a>,
+        attributes: &Entry<'a>,
+        to_scene: &DAffine3,
+    ) -> Result<(), Fault> {
         let before = self.parsed.positions.len();
-        let count = self.positions(attributes, to_scene)?;
+        let position = attributes.required("POSITION")?;
+        let count = self.positions(accessors, &position, to_scene)?;
         for (name, entry) in attributes.members()? {
             let field = match name {
                 "POSITION" => continue,
@@ -184,10 +177,8 @@ impl<'a> Joined<'a> {
                     }
                 },
             };
-            let accessor = self.accessors.open(entry.count()?)?;
-            if let Some(fault) = accessor.unequal(&entry, count) {
-                return Err(fault);
-            }
+            let accessor = accessors.open(entry.count()?)?;
+            accessor.require_count(&entry, count)?;
             let mut values = accessor.floats();
             match name {
                 "COLOR_0" => {
@@ -208,15 +199,20 @@ impl<'a> Joined<'a> {
     }
 
     /// Adds the positions, and returns their number.
-    fn positions(&mut self, attributes: &Entry<'a>, to_scene: &DAffine3) -> Result<usize, Fault> {
-        let Some(entry) = attributes.get("POSITION") else { return Ok(0) };
-        let accessor = self.accessors.open(entry.count()?)?;
-        accessor.require(&entry, &[3])?;
+    fn positions<'a>(
+        &mut self,
+        accessors: &mut Accessors<'a>,
+        entry: &Entry<'a>,
+        to_scene: &DAffine3,
+    ) -> Result<usize, Fault> {
+        let accessor = accessors.open(entry.count()?)?;
+        accessor.require(entry, &[3])?;
         let positions = &mut self.parsed.positions;
         for (v, &position) in accessor.floats().as_chunks().0.iter().enumerate() {
-            let position = match *to_scene == DAffine3::IDENTITY {
-                true => position,
-                false => to_scene.transform_point3(DVec3::from(position)).to_array(),
+            let position = if *to_scene == DAffine3::IDENTITY {
+                position
+            } else {
+                to_scene.transform_point3(DVec3::from(position)).to_array()
             };
             check_finite(&position, positions.len(), self.broken)
                 .map_err(|problem| accessor.fault(v, problem))?;
@@ -289,7 +285,7 @@ impl<'a> Joined<'a> {
             parsed.notes.push(format!("data of vertices are ignored: {}", names.join(", ")));
         }
         if count > 0 {
-            parsed.fields = columns(self.arrays, colors, &mut parsed.notes).of_vertices();
+            parsed.fields = from_arrays(self.arrays, colors, &mut parsed.notes).of_vertices();
         }
         parsed
     }
@@ -307,29 +303,22 @@ fn turn(normals: &mut [[f64; 3]], linear: DMat3) {
     }
 }
 
-/// The content of a primitive.
-pub(super) enum Shape {
-    /// Triangles; none of points.
-    Triangles(Vec<[u32; 3]>),
-    /// Lines, which no mesh holds.
-    Lines,
-}
-
 const STRIP: usize = 5;
 const FAN: usize = 6;
 
-/// The triangles of a primitive with that many vertices, the first of them of number `first_face`.
-pub(super) fn shape(
+/// The triangles of a primitive with that many vertices, the first of them of number `first_face`;
+/// none of points, and `None` for lines.
+fn triangles(
     accessors: &mut Accessors<'_>,
     primitive: &Entry<'_>,
     vertices: usize,
     first_face: usize,
     broken: Broken,
-) -> Result<Shape, Fault> {
+) -> Result<Option<Vec<[u32; 3]>>, Fault> {
     let mode = primitive.optional_count("mode")?.unwrap_or(TRIANGLES);
     match mode {
-        POINTS => return Ok(Shape::Triangles(vec![])),
-        1..=3 => return Ok(Shape::Lines),
+        POINTS => return Ok(Some(vec![])),
+        1..=3 => return Ok(None),
         TRIANGLES | STRIP | FAN => {}
         _ => return Err(primitive.fault("a mode from 0 to 6", mode.to_string())),
     }
@@ -351,7 +340,7 @@ pub(super) fn shape(
             (0..vertices as u32).collect()
         }
     };
-    Ok(Shape::Triangles(match mode {
+    Ok(Some(match mode {
         STRIP => strip_triangles(&indices).collect(),
         FAN => match indices.split_first() {
             Some((&centre, rim)) => rim.windows(2).map(|pair| [centre, pair[0], pair[1]]).collect(),

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use crate::io::column::width_of;
+use crate::io::columns::width_of;
 use crate::io::error::WriteProblem;
 use crate::io::glb::color::to_linear;
 use crate::io::glb::document::{BINARY, JSON, MAGIC, NAME, POINTS, TRIANGLES};
@@ -109,11 +109,8 @@ pub(super) fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, 
     let header = [MAGIC, &word(2), &word(whole), &word(text.len() as u32), &word(JSON)].concat();
     let mut pieces = vec![header, text, [word(length as u32), word(BINARY)].concat()];
     pieces.extend(binary);
-    let notes = match rounded.is_empty() {
-        true => vec![],
-        false => vec![format!("GLB rounds to 32 bits: {}", rounded.join(", "))],
-    };
-    Ok(Encoded { pieces, notes })
+    let note = || format!("GLB rounds to 32 bits: {}", rounded.join(", "));
+    Ok(Encoded { pieces, notes: (!rounded.is_empty()).then(note).into_iter().collect() })
 }
 
 fn word(word: u32) -> [u8; 4] {

@@ -43,6 +43,11 @@ impl<'a> Entry<'a> {
         Some(Entry { value, path: format!("{}{dot}{key}", self.path) })
     }
 
+    /// A member that must exist.
+    pub(super) fn required(&self, key: &str) -> Result<Entry<'a>, Fault> {
+        self.get(key).ok_or_else(|| self.fault(key, "none"))
+    }
+
     /// The element of a list of the document.
     pub(super) fn at(&self, list: &str, index: usize) -> Result<Entry<'a>, Fault> {
         let found = self.value.get(list).and_then(|all| all.get(index));

@@ -1,8 +1,8 @@
 use serde_json::{Value, json};
 
-use crate::TriMesh;
 use crate::io::tests::tetrahedron;
-use crate::io::{Format, MeshFile, ReadOptions, VertexFields, WriteOptions, read_bytes, to_bytes};
+use crate::io::{Format, MeshFile, Reader, VertexFields, WriteOptions, to_bytes};
+use crate::trimesh::TriMesh;
 
 /// A file of this JSON and these numbers.
 fn file(json: &Value, binary: &[u8]) -> Vec<u8> {
@@ -28,11 +28,11 @@ fn floats(numbers: &[f32]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> MeshFile {
-    read_bytes("", bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    Reader::default().read_bytes("", bytes).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn refusal(bytes: &[u8]) -> String {
-    match read_bytes("", bytes, &ReadOptions::default()) {
+    match Reader::default().read_bytes("", bytes) {
         Ok(file) => panic!("{}", file.report),
         Err(error) => error.to_string(),
     }

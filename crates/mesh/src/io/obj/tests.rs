@@ -1,5 +1,5 @@
 use super::*;
-use crate::io::{Format, Place, ReadOptions, read_bytes, to_bytes, write_to};
+use crate::io::{Format, Place, Reader, to_bytes, write_to};
 
 fn parsed(text: &str) -> Parsed {
     parse(text.as_bytes(), Broken::Refused).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
@@ -130,7 +130,7 @@ fn statements_belong_to_the_faces_after_them() {
     assert_eq!(names("g"), [None, left, left, Some(b""), Some(b"")]);
     assert_eq!(names("usemtl"), [None, red, red, Some(b"blue"), red]);
     assert_eq!(names("s"), [None, None, None, off, off]);
-    let read = |bytes: &[u8]| read_bytes("a.obj", bytes, &ReadOptions::strict()).unwrap();
+    let read = |bytes: &[u8]| Reader::strict().read_bytes("a.obj", bytes).unwrap();
     let file = read(text.as_bytes());
     let written = to_bytes(Format::Obj, &file.mesh, &file.fields, &WriteOptions::default());
     let again = read(&written.unwrap());

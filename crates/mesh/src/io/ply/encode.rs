@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::io::column::width_of;
-use crate::io::column::{Column, columns, put_text, rows};
+use crate::io::columns::{
+    Column, INDICES, TEXTURE, columns, field_names, put_text, rows, vertex_names, width_of,
+};
 use crate::io::error::WriteProblem;
 use crate::io::number::put_integer;
-use crate::io::ply::columns::{INDICES, NAME, TEXTURE, field_names, vertex_names};
-use crate::io::ply::header::name_of;
+use crate::io::ply::header::{NAME, name_of};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::io::columns::{INDICES, Layout, TEXTURE};
 use crate::io::error::{Fault, unexpected};
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, vertex_index};
-use crate::io::ply::columns::Scalars;
-use crate::io::ply::columns::{INDICES, Layout, TEXTURE};
 use crate::io::ply::header::{Element, Kind};
+use crate::io::ply::scalars::Scalars;
 use crate::io::ply::source::Source;
 use crate::io::ply::vertices::{list_length, value};
 use crate::io::{FaceFields, NumberType};

@@ -4,6 +4,9 @@ use crate::io::NumberType;
 use crate::io::error::{Fault, Place, ReadProblem, unexpected};
 use crate::io::text::shown;
 
+/// The name of the format.
+pub(super) const NAME: &str = "PLY";
+
 /// The encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Body {

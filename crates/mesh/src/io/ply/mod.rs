@@ -4,10 +4,10 @@
 //! vertices and faces become fields, which keep their types; faces are the lists `vertex_indices`
 //! (or `vertex_index`) of the element `face`, or the strips of `tristrips`.
 
-pub(crate) mod columns;
 mod encode;
 mod faces;
 mod header;
+mod scalars;
 mod source;
 mod vertices;
 
@@ -20,7 +20,7 @@ use header::{Body, Element, Header, Kind};
 use source::{AsciiSource, BinarySource, Source};
 
 pub(super) const FORMAT: Row = Row {
-    name: columns::NAME,
+    name: header::NAME,
     extensions: &["ply"],
     looks_like,
     parse,

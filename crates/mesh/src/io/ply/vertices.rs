@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 
 use crate::io::NumberType;
+use crate::io::columns::Layout;
 use crate::io::error::{Fault, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, Parsed, check_finite};
-use crate::io::ply::columns::Layout;
-use crate::io::ply::columns::{Scalars, triples};
 use crate::io::ply::header::{Element, Kind};
+use crate::io::ply::scalars::{Scalars, triples};
 use crate::io::ply::source::{Rows, Source};
 
 pub(super) fn read(

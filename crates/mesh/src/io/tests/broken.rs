@@ -1,6 +1,6 @@
 //! Broken vertices and faces, refused or left out.
 
-use crate::io::{ReadOptions, ReadProblem, read_bytes};
+use crate::io::{ReadProblem, Reader};
 
 /// Four corners of a square, a broken vertex with faces, and one without. The first and the last
 /// face are sound, the last but one repeats a corner, the others have a broken or missing vertex.
@@ -28,12 +28,12 @@ const FILES: [(&str, &str); 3] = [
 #[test]
 fn what_is_broken_is_an_error_or_left_out_with_its_count() {
     for (name, text) in FILES {
-        for options in [ReadOptions::default(), ReadOptions::strict()] {
-            let error = read_bytes(name, text.as_bytes(), &options).unwrap_err();
+        for reader in [Reader::default(), Reader::strict()] {
+            let error = reader.read_bytes(name, text.as_bytes()).unwrap_err();
             assert!(matches!(error.problem, ReadProblem::NonFinite { vertex: 1, .. }), "{error}");
         }
-        let options = ReadOptions::dropping_broken();
-        let file = read_bytes(name, text.as_bytes(), &options).unwrap();
+        let reader = Reader::dropping_broken();
+        let file = reader.read_bytes(name, text.as_bytes()).unwrap();
         let (mesh, report) = (&file.mesh, &file.report);
         assert_eq!(mesh.faces(), [[0, 2, 3], [0, 3, 4], [0, 4, 2]], "{name}");
         assert_eq!(mesh.vertex_count(), 6);
@@ -54,8 +54,8 @@ fn what_is_broken_is_an_error_or_left_out_with_its_count() {
         let sound: String =
             sound.replace("-99", "1").replace("f 0 1 3", "f 1 1 3").replace(" 9\n", " 1\n");
         let sound = sound.replace(" 8\n", " 0\n").replace("-7", "0").replace("3 7 ", "3 0 ");
-        let [plain, dropping] = [ReadOptions::default(), options]
-            .map(|options| read_bytes(name, sound.as_bytes(), &options).unwrap());
+        let [plain, dropping] = [Reader::default(), reader]
+            .map(|reader| reader.read_bytes(name, sound.as_bytes()).unwrap());
         assert_eq!((plain.mesh, plain.report), (dropping.mesh, dropping.report));
     }
 }
@@ -84,13 +84,13 @@ fn binary_files_lose_what_is_broken_too() {
         stl.extend([0; 2]);
     }
     for (name, bytes, faces) in [("a.ply", bytes, 2), ("a.stl", stl, 1)] {
-        assert!(read_bytes(name, &bytes, &ReadOptions::default()).is_err());
-        let file = read_bytes(name, &bytes, &ReadOptions::dropping_broken()).unwrap();
+        assert!(Reader::default().read_bytes(name, &bytes).is_err());
+        let file = Reader::dropping_broken().read_bytes(name, &bytes).unwrap();
         assert_eq!(file.mesh.faces(), [[0, 1, 2]], "{name}");
         assert_eq!(file.mesh.positions()[3], [0.0; 3]);
         assert_eq!((file.report.broken_vertices, file.report.broken_faces), (1, faces), "{name}");
     }
     let nothing = "v nan 0 0\nv 0 inf 0\n";
-    let error = read_bytes("a.obj", nothing.as_bytes(), &ReadOptions::dropping_broken());
+    let error = Reader::dropping_broken().read_bytes("a.obj", nothing.as_bytes());
     assert!(matches!(error.unwrap_err().problem, ReadProblem::NoVertices));
 }

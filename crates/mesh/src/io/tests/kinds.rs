@@ -8,10 +8,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::io::tests::{read, refusal, tetrahedron};
-use crate::io::{
-    Format, ReadOptions, VertexFields, WriteOptions, read as read_file, read_from, read_with,
-    to_bytes,
-};
+use crate::io::{Format, Reader, VertexFields, WriteOptions, read as read_file, to_bytes};
 
 /// A file name with the usual file extension.
 fn name_of(format: Format) -> String {
@@ -62,23 +59,21 @@ fn a_byte_order_mark_is_no_content() {
             }
         }
     }
-    let options = ReadOptions::default();
-    assert!(refusal("a.obj", b"\xef\xbb\xbfv 0 0 0\nv 1 x 0\n", &options).contains("line 2"));
+    let reader = Reader::default();
+    assert!(refusal("a.obj", b"\xef\xbb\xbfv 0 0 0\nv 1 x 0\n", &reader).contains("line 2"));
     let ply = [MARK, &bytes(Format::Ply, &WriteOptions::default())].concat();
     assert_eq!(read("a.ply", &ply).mesh, tetrahedron());
     let cut = ply.len() - 30;
-    let plain = refusal("a.ply", &ply[3..cut], &options);
-    let moved = refusal("a.ply", &ply[..cut], &options);
+    let plain = refusal("a.ply", &ply[3..cut], &reader);
+    let moved = refusal("a.ply", &ply[..cut], &reader);
     let byte = |message: &str| -> u64 {
         let digits = message.split("byte ").nth(1).unwrap();
         digits[..digits.find(|c: char| !c.is_ascii_digit()).unwrap()].parse().unwrap()
     };
     assert_eq!(byte(&moved), byte(&plain) + 3);
     // Nothing but the mark, and a mark before what is no mesh.
-    assert!(!refusal("a.obj", MARK, &options).is_empty());
-    assert!(
-        refusal("", b"\xef\xbb\xbfhello", &options).contains("expected one of the formats OBJ")
-    );
+    assert!(!refusal("a.obj", MARK, &reader).is_empty());
+    assert!(refusal("", b"\xef\xbb\xbfhello", &reader).contains("expected one of the formats OBJ"));
 }
 
 #[test]
@@ -87,20 +82,19 @@ fn another_kind_than_the_ending_is_named() {
         for options in [WriteOptions::default(), WriteOptions::ascii()] {
             let bytes = bytes(content, &options);
             for named in Format::ALL.into_iter().filter(|&named| named != content) {
-                let message = refusal(&name_of(named), &bytes, &ReadOptions::default());
+                let message = refusal(&name_of(named), &bytes, &Reader::default());
                 let expected = format!("the name says {named}, but the content is {content}");
                 assert!(message.contains(&expected), "{message}");
             }
         }
     }
-    let message = refusal("a.obj.gz", b"v 0 0 0\n", &ReadOptions::default());
+    let message = refusal("a.obj.gz", b"v 0 0 0\n", &Reader::default());
     assert!(message.contains("the name says gzip-compressed, but the content is not"), "{message}");
     for format in Format::ALL {
-        let message =
-            refusal(&name_of(format), b"\x89PNG\r\n\x1a\n and so on", &ReadOptions::default());
+        let message = refusal(&name_of(format), b"\x89PNG\r\n\x1a\n and so on", &Reader::default());
         assert!(message.contains("but the content is a PNG image"), "{message}");
     }
-    let message = refusal("a.png", b"\x89PNG\r\n\x1a\n", &ReadOptions::default());
+    let message = refusal("a.png", b"\x89PNG\r\n\x1a\n", &Reader::default());
     assert!(message.contains("expected one of the formats OBJ, PLY, OFF, STL"), "{message}");
 }
 
@@ -115,7 +109,7 @@ fn gzip_under_a_plain_name_is_read() {
 fn empty_files_and_meshes_are_errors() {
     for format in Format::ALL {
         for bytes in [&b""[..], b" \n\t\r\n", &packed(b"")] {
-            let message = refusal(&name_of(format), bytes, &ReadOptions::default());
+            let message = refusal(&name_of(format), bytes, &Reader::default());
             assert!(message.contains("the file is empty"), "{message}");
         }
     }
@@ -126,7 +120,7 @@ fn empty_files_and_meshes_are_errors() {
         ("b.stl", &[0; 84]),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nproperty int y\nproperty int z\nend_header\n"),
     ] {
-        let message = refusal(name, bytes, &ReadOptions::default());
+        let message = refusal(name, bytes, &Reader::default());
         assert!(message.contains("the file holds no vertices"), "{name}: {message}");
     }
 }
@@ -141,10 +135,10 @@ fn a_binary_stl_with_a_header_like_text_is_binary_at_any_size() {
         bytes.extend(x.to_le_bytes());
     }
     bytes.extend([0; 2]);
-    let options = ReadOptions::default();
+    let reader = Reader::default();
     assert_eq!(read("a.stl", &bytes).mesh.face_count(), 1);
     for wrong in [&bytes[..bytes.len() - 7], &[&bytes[..], b"junk"].concat()] {
-        let message = refusal("a.stl", wrong, &options);
+        let message = refusal("a.stl", wrong, &reader);
         assert!(message.contains("1 triangles of 50 bytes, as the header says"), "{message}");
     }
 }
@@ -160,13 +154,13 @@ fn several_gzip_members_are_one_file() {
 fn damaged_gzip_is_an_error() {
     let packed = packed(&bytes(Format::Off, &WriteOptions::default()));
     for length in 2..packed.len() {
-        let message = refusal("a.off.gz", &packed[..length], &ReadOptions::default());
+        let message = refusal("a.off.gz", &packed[..length], &Reader::default());
         assert!(message.contains("cannot be decompressed"), "{length}: {message}");
     }
     let mut flipped = packed.clone();
     let last = flipped.len() - 6;
     flipped[last] ^= 1;
-    let message = refusal("a.off.gz", &flipped, &ReadOptions::default());
+    let message = refusal("a.off.gz", &flipped, &Reader::default());
     assert!(message.contains("cannot be decompressed"), "{message}");
 }
 
@@ -180,12 +174,12 @@ fn bombs_stop_at_the_limit() {
     }
     let bomb = encoder.finish().unwrap();
     assert!(bomb.len() < 70_000);
-    let message = refusal("a.obj.gz", &bomb, &ReadOptions::default());
+    let message = refusal("a.obj.gz", &bomb, &Reader::default());
     assert!(message.contains("unpack to more than"), "{message}");
 
     let small = packed(&bytes(Format::Obj, &WriteOptions::default()));
-    let options = ReadOptions { max_bytes: 50, ..ReadOptions::default() };
-    let message = refusal("a.obj.gz", &small, &options);
+    let reader = Reader { max_bytes: 50, ..Reader::default() };
+    let message = refusal("a.obj.gz", &small, &reader);
     assert!(message.contains("unpack to more than 50 bytes"), "{message}");
 }
 
@@ -227,10 +221,8 @@ fn files_and_streams_stop_at_the_limit() {
     std::fs::write(&path, &content).unwrap();
     let size = content.len() as u64;
     for (max_bytes, fits) in [(size, true), (size - 1, false)] {
-        let options = ReadOptions { max_bytes, ..ReadOptions::default() };
-        for read in
-            [read_with(&path, &options), read_from(&content[..], Some(Format::Obj), &options)]
-        {
+        let reader = Reader { max_bytes, ..Reader::default() };
+        for read in [reader.read(&path), reader.read_from(&content[..], Some(Format::Obj))] {
             match read {
                 Ok(_) => assert!(fits, "{max_bytes}"),
                 Err(error) => {
@@ -241,7 +233,7 @@ fn files_and_streams_stop_at_the_limit() {
         }
     }
     // A stream without end is not read to its end.
-    let options = ReadOptions { max_bytes: 1 << 20, ..ReadOptions::default() };
-    let error = read_from(std::io::repeat(b' '), None, &options).unwrap_err();
+    let reader = Reader { max_bytes: 1 << 20, ..Reader::default() };
+    let error = reader.read_from(std::io::repeat(b' '), None).unwrap_err();
     assert!(error.to_string().contains("more than 1048576 bytes"), "{error}");
 }

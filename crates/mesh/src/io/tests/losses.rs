@@ -1,8 +1,8 @@
 //! Reports of lost content, and atomic writing.
 
 use crate::io::tests::{read, refusal, tetrahedron};
-use crate::io::{Format, ReadOptions, UnsupportedFields, VertexFields, WriteOptions};
-use crate::io::{WriteProblem, read_bytes, write, write_to, write_with_fields};
+use crate::io::{Format, Reader, UnsupportedFields, VertexFields, WriteOptions};
+use crate::io::{WriteProblem, write, write_to, write_with_fields};
 
 /// An open box whose quads name a corner twice, in a row and not, as files of
 /// the formats that have polygons, and the same faces triangle by triangle.
@@ -60,7 +60,7 @@ fn repeated_corners_are_reduced_alike_in_all_formats() {
         let triangles = read(name, bytes);
         assert_eq!(triangles.mesh.face_count(), 6, "{name}");
         assert_eq!(triangles.report, file.report);
-        let message = refusal(name, bytes, &ReadOptions::strict());
+        let message = refusal(name, bytes, &Reader::strict());
         assert!(message.contains("face 0 repeats a corner (6 such faces)"), "{message}");
     }
 }
@@ -110,7 +110,7 @@ fn faces_with_fewer_than_three_distinct_corners_are_left_out_by_name() {
         ),
         "{said}"
     );
-    let message = refusal("a.obj", text.as_bytes(), &ReadOptions::strict());
+    let message = refusal("a.obj", text.as_bytes(), &Reader::strict());
     assert!(message.contains("face 1 repeats a corner (2 such faces)"), "{message}");
 }
 
@@ -129,7 +129,7 @@ fn fields_that_are_not_finite_are_left_out_by_name() {
     let file = read("a.ply", text.as_bytes());
     assert_eq!(file.fields, VertexFields::default().with_scalar("q", vec![1.0, 2.0]));
     assert_eq!(file.report.notes, ["field r is NaN at vertex 0: left out"]);
-    assert!(read_bytes("a.ply", text.as_bytes(), &ReadOptions::strict()).is_err());
+    assert!(Reader::strict().read_bytes("a.ply", text.as_bytes()).is_err());
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn names_are_kept_where_they_can_be() {
         let mut bytes = Vec::new();
         let options = WriteOptions::default().dropping_fields();
         let report = write_to(&mut bytes, format, &tetrahedron(), fields, &options).unwrap();
-        let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+        let file = Reader::strict().read_bytes("", &bytes).unwrap();
         assert!(file.report.notes.is_empty(), "{format}: {:?}", file.report.notes);
         (file.fields, report.notes)
     };

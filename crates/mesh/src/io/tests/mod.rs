@@ -6,17 +6,17 @@ mod losses;
 mod mutations;
 mod round_trips;
 
-use crate::TriMesh;
-use crate::io::{MeshFile, ReadOptions, read_bytes};
+use crate::io::{MeshFile, Reader};
+use crate::trimesh::TriMesh;
 
 /// Reads bytes under a name.
 pub(crate) fn read(name: &str, bytes: &[u8]) -> MeshFile {
-    read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    Reader::default().read_bytes(name, bytes).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The error for bytes that reading must refuse.
-pub(crate) fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
-    match read_bytes(name, bytes, options) {
+pub(crate) fn refusal(name: &str, bytes: &[u8], reader: &Reader) -> String {
+    match reader.read_bytes(name, bytes) {
         Ok(file) => panic!("{name} was read: {}", file.report),
         Err(error) => error.to_string(),
     }

@@ -4,10 +4,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-use crate::TriMesh;
-use crate::io::{
-    Format, NumberType, ReadOptions, VertexFields, WriteOptions, WriteProblem, read_bytes, to_bytes,
-};
+use crate::io::{Format, NumberType, Reader, VertexFields, WriteOptions, WriteProblem, to_bytes};
+use crate::trimesh::TriMesh;
 
 /// One change of a file.
 #[derive(Debug, Clone)]
@@ -71,8 +69,8 @@ fn mutate(bytes: &mut Vec<u8>, mutation: &Mutation) {
 }
 
 fn check(name: &str, bytes: &[u8]) {
-    for options in [ReadOptions::default(), ReadOptions::strict(), ReadOptions::dropping_broken()] {
-        if let Ok(file) = read_bytes(name, bytes, &options) {
+    for reader in [Reader::default(), Reader::strict(), Reader::dropping_broken()] {
+        if let Ok(file) = reader.read_bytes(name, bytes) {
             let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
             TriMesh::new(positions, faces).unwrap();
             assert!(file.fields.scalars.iter().all(|(_, s)| s.len() == file.mesh.vertex_count()));
@@ -148,7 +146,7 @@ fn truncated_files_are_errors() {
             let bytes = to_bytes(format, &mesh, &VertexFields::default(), &options).unwrap();
             let sound = bytes.trim_ascii_end().len();
             for length in 0..sound {
-                let read = read_bytes("", &bytes[..length], &ReadOptions::default());
+                let read = Reader::default().read_bytes("", &bytes[..length]);
                 assert!(read.is_err(), "{format}: {length} of {sound}");
             }
         }

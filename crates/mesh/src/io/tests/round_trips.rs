@@ -5,10 +5,11 @@ use proptest::prelude::*;
 use proptest::sample::{Index, subsequence};
 
 use crate::io::{
-    Encoding, FaceFields, FloatWidth, Format, NumberType, ReadOptions, VertexFields, WriteOptions,
-    read, read_bytes, to_bytes, write, write_to, write_with_fields,
+    Encoding, FaceFields, FloatWidth, Format, NumberType, Reader, VertexFields, WriteOptions, read,
+    to_bytes, write, write_to, write_with_fields,
 };
-use crate::{PolygonMesh, TriMesh};
+use crate::polygon::PolygonMesh;
+use crate::trimesh::TriMesh;
 
 /// Numbers of every size, zeros of both signs and 32-bit numbers among them.
 fn number() -> impl Strategy<Value = f64> {
@@ -133,7 +134,7 @@ proptest! {
             let mut options = WriteOptions::default().with_float_width(width);
             options.encoding = encoding;
             let bytes = to_bytes(Format::Ply, &mesh, &fields, &options).unwrap();
-            let file = read_bytes("a.ply", &bytes, &ReadOptions::strict()).unwrap();
+            let file = Reader::strict().read_bytes("a.ply", &bytes).unwrap();
             prop_assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()));
             prop_assert_eq!(file.mesh.faces(), mesh.faces());
             assert_same_fields(&file.fields, &fields);
@@ -151,7 +152,7 @@ proptest! {
             // Small extents vanish in 32 bits.
             let Ok(expected) = TriMesh::new(positions, mesh.faces().to_vec()) else { continue };
             let bytes = to_bytes(format, &mesh, &fields, &options).unwrap();
-            let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+            let file = Reader::strict().read_bytes("", &bytes).unwrap();
             prop_assert_eq!(bits(file.mesh.positions()), bits(expected.positions()));
             prop_assert_eq!(file.mesh.faces(), expected.faces());
             let mut held = fields.clone();
@@ -182,7 +183,7 @@ proptest! {
         let (positions, faces) = welded(&mesh, round);
         // Without the isolated vertices the extent may be too small.
         prop_assume!(TriMesh::new(positions.clone(), faces.clone()).is_ok());
-        let file = read_bytes("a.stl", &written.unwrap(), &ReadOptions::default()).unwrap();
+        let file = Reader::default().read_bytes("a.stl", &written.unwrap()).unwrap();
         prop_assert_eq!(bits(file.mesh.positions()), bits(&positions));
         prop_assert_eq!(file.mesh.faces(), &faces[..]);
     }
@@ -257,7 +258,7 @@ fn typed(order: &str, faces: &[&[u32]]) -> Vec<u8> {
 #[test]
 fn properties_of_ply_keep_their_types() {
     let file = typed("ascii", &[&[0, 1, 2], &[0, 2, 3]]);
-    let read = |bytes: &[u8]| read_bytes("a.ply", bytes, &ReadOptions::strict()).unwrap();
+    let read = |bytes: &[u8]| Reader::strict().read_bytes("a.ply", bytes).unwrap();
     let first = read(&file);
     assert_eq!(first.report.notes, [""; 0]);
     assert_eq!(first.fields.types["of_double"], NumberType::F64);
@@ -287,8 +288,8 @@ fn properties_of_ply_keep_their_types() {
 #[test]
 fn face_properties_follow_their_faces() {
     let file = typed("ascii", &[&[0, 1, 2, 3], &[0, 0, 1], &[4, 4, 0, 1], &[1, 2, 9]]);
-    let options = ReadOptions::dropping_broken();
-    let read = read_bytes("a.ply", &file, &options).unwrap();
+    let reader = Reader::dropping_broken();
+    let read = reader.read_bytes("a.ply", &file).unwrap();
     assert_eq!(read.mesh.faces(), [[0, 1, 2], [0, 2, 3], [4, 0, 1]]);
     let faces = &read.fields.faces;
     assert_eq!(faces.scalars[3].1, [100.0, 100.0, 300.0]);
@@ -296,7 +297,7 @@ fn face_properties_follow_their_faces() {
     assert_eq!(texture, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0, 0.0, 2.0, 3.0]);
     // They are written with their polygons, and read back alike.
     let bytes = to_bytes(Format::Ply, &read.mesh, &read.fields, &WriteOptions::default()).unwrap();
-    let again = read_bytes("a.ply", &bytes, &options).unwrap();
+    let again = reader.read_bytes("a.ply", &bytes).unwrap();
     assert_eq!((&again.mesh, &again.fields), (&read.mesh, &read.fields));
     assert_eq!(again.mesh.polygons(), read.mesh.polygons());
     assert_eq!(again.mesh.polygons().unwrap().offsets(), [0, 4, 7]);
@@ -308,7 +309,7 @@ fn face_properties_follow_their_faces() {
     let report = write_to(&mut bytes, format, &read.mesh, &halved, &options_of_file).unwrap();
     assert_eq!(report.split_polygons, 1);
     assert!(report.notes[0].contains("polygon 0"), "{:?}", report.notes);
-    let again = read_bytes("a.ply", &bytes, &options).unwrap();
+    let again = reader.read_bytes("a.ply", &bytes).unwrap();
     assert_eq!((again.mesh.polygons(), again.fields), (None, halved));
 }
 
@@ -317,7 +318,7 @@ fn face_properties_follow_their_faces() {
 #[test]
 fn moved_meshes_are_written_with_their_polygons() {
     let file = typed("ascii", &[&[0, 1, 2, 3], &[4, 3, 2], &[0, 4, 1, 2]]);
-    let read = |name: &str, bytes: &[u8]| read_bytes(name, bytes, &ReadOptions::strict()).unwrap();
+    let read = |name: &str, bytes: &[u8]| Reader::strict().read_bytes(name, bytes).unwrap();
     let first = read("a.ply", &file);
     let moved = first.mesh.positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
     let moved = first.mesh.with_positions(moved).unwrap();

@@ -1,12 +1,12 @@
 //! From the arrays of a VTP file to a mesh with fields.
 
 use crate::io::NumberType;
-use crate::io::arrays::{MAX_COMPONENTS, NamedArray, columns};
+use crate::io::columns::{MAX_COMPONENTS, NamedArray, from_arrays};
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::fields::Columns;
 use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, check_finite, strip_triangles};
 use crate::io::vtp::data::Decoder;
-use crate::io::vtp::document::{self, Array, ArrayType, COLORS, Document, Piece, Section};
+use crate::io::vtp::document::{self, Array, ArrayType, CELLS, COLORS, Document, Piece};
 use crate::polygon::Polygons;
 
 pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
@@ -21,6 +21,10 @@ pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     Ok(parsed)
 }
 
+/// The places in [`CELLS`] of the cells that become faces.
+const POLYS: usize = 2;
+const STRIPS: usize = 3;
+
 /// The arrays of points and of cells, of all pieces.
 #[derive(Default)]
 struct Joined {
@@ -29,8 +33,8 @@ struct Joined {
     /// The number of pieces before.
     pieces: usize,
     small: usize,
-    /// The numbers of vertices, lines and strips.
-    others: [usize; 3],
+    /// The number of cells of each kind of [`CELLS`].
+    counts: [usize; 4],
 }
 
 impl Joined {
@@ -41,37 +45,28 @@ impl Joined {
         broken: Broken,
         parsed: &mut Parsed,
     ) -> Result<(), Fault> {
+        let base = parsed.positions.len();
         add_points(decoder, piece, broken, parsed)?;
-        let (polygons, of) = self.faces(decoder, piece, broken)?;
-        let base = parsed.positions.len() - piece.points;
-        let shift = |v: &mut u32| {
+        let (mut polygons, cell_of) = self.faces(decoder, piece, broken)?;
+        for v in polygons.corners_mut() {
             // Too many vertices are refused later.
             *v = if *v == NO_VERTEX { NO_VERTEX } else { v.saturating_add(base as u32) };
-        };
-        let mut polygons = polygons;
-        polygons.corners_mut().iter_mut().for_each(shift);
+        }
         parsed.polygons.append(&polygons);
-        let cells = [piece.verts, piece.lines, piece.polys, piece.strips];
-        let cells = cells.iter().try_fold(0, |sum: usize, &count| sum.checked_add(count));
-        let cells = cells.unwrap_or(usize::MAX);
-        for (section, array) in &piece.arrays {
-            match section {
-                Section::PointData => {
-                    let values = decode(decoder, array, piece.points, parsed)?;
-                    let all: Vec<usize> = (0..piece.points).collect();
-                    join(&mut self.points, self.pieces, array, &values, &all, parsed);
-                }
-                Section::CellData => {
-                    let values = decode(decoder, array, cells, parsed)?;
-                    join(&mut self.cells, self.pieces, array, &values, &of, parsed);
-                }
-                _ => {}
-            }
+        for array in &piece.arrays {
+            let (arrays, count, of) = match array.section {
+                "PointData" => (&mut self.points, piece.points, None),
+                "CellData" => (&mut self.cells, sum(&piece.cells), Some(&cell_of[..])),
+                _ => continue,
+            };
+            let expected = count.saturating_mul(array.components);
+            let values = decoder.floats(array, Some(expected))?;
+            join(arrays, self.pieces, array, values, of, &mut parsed.doubts);
         }
         self.pieces += 1;
-        self.others[0] += piece.verts;
-        self.others[1] += piece.lines;
-        self.others[2] += piece.strips;
+        for (all, count) in self.counts.iter_mut().zip(piece.cells) {
+            *all = all.saturating_add(count);
+        }
         Ok(())
     }
 
@@ -83,39 +78,39 @@ impl Joined {
         broken: Broken,
     ) -> Result<(Polygons, Vec<usize>), Fault> {
         let mut faces = FaceList::with_capacity(0, piece.points, broken);
-        let mut of = Vec::new();
-        let first = piece.verts.saturating_add(piece.lines);
-        let polys = Cells::read(decoder, piece, Section::Polys, piece.polys)?;
-        for (cell, corners) in polys.iter() {
-            let kept = faces.polygons.len();
-            for (k, &index) in corners.iter().enumerate() {
-                let at = polys.ends[cell] - corners.len() + k;
-                faces.corner(index).map_err(|problem| polys.fault(decoder, at, problem))?;
-            }
-            let end = polys.ends[cell].saturating_sub(1);
-            faces.end().map_err(|problem| polys.fault(decoder, end, problem))?;
-            if faces.polygons.len() > kept {
-                of.push(first + cell);
-            }
-        }
-        let first = first.saturating_add(piece.polys);
-        let strips = Cells::read(decoder, piece, Section::Strips, piece.strips)?;
-        for (cell, corners) in strips.iter() {
-            let end = strips.ends[cell].saturating_sub(1);
-            for triangle in strip_triangles(corners) {
-                for index in triangle {
-                    faces.corner(index).map_err(|problem| strips.fault(decoder, end, problem))?;
-                }
-                faces.end().map_err(|problem| strips.fault(decoder, end, problem))?;
-                of.push(first + cell);
+        let mut cell_of = Vec::new();
+        for kind in [POLYS, STRIPS] {
+            let Some(cells) = Cells::read(decoder, piece, kind)? else { continue };
+            let first = sum(&piece.cells[..kind]);
+            let mut start = 0;
+            for (cell, &end) in cells.ends.iter().enumerate() {
+                let corners = &cells.corners[start..end];
+                let last = end.saturating_sub(1);
+                let fault = |at: usize| move |problem: ReadProblem| (at, problem);
+                let mut add = || {
+                    if kind == POLYS {
+                        for (k, &index) in corners.iter().enumerate() {
+                            faces.corner(index).map_err(fault(start + k))?;
+                        }
+                        return faces.end().map_err(fault(last));
+                    }
+                    for triangle in strip_triangles(corners) {
+                        triangle.iter().try_for_each(|&v| faces.corner(v)).map_err(fault(last))?;
+                        faces.end().map_err(fault(last))?;
+                    }
+                    Ok(())
+                };
+                add().map_err(|(at, problem)| decoder.fault_at(cells.connectivity, at, problem))?;
+                cell_of.resize(faces.polygons.len(), first.saturating_add(cell));
+                start = end;
             }
         }
         self.small += faces.small;
-        Ok((faces.polygons, of))
+        Ok((faces.polygons, cell_of))
     }
 
     fn finish(self, document: &Document, parsed: &mut Parsed) {
-        let [verts, lines, strips] = self.others;
+        let [verts, lines, _, strips] = self.counts;
         // Without faces, cells of vertices show the points.
         let verts = if parsed.polygons.len() > 0 { verts } else { 0 };
         for (count, what) in [(verts, "vertices"), (lines, "lines")] {
@@ -141,27 +136,28 @@ impl Joined {
     }
 }
 
+fn sum(counts: &[usize]) -> usize {
+    counts.iter().fold(0, |sum: usize, &count| sum.saturating_add(count))
+}
+
 fn add_points(
     decoder: &mut Decoder<'_>,
     piece: &Piece,
     broken: Broken,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
-    let mut points = piece.arrays.iter().filter(|(section, _)| *section == Section::Points);
-    let Some((_, array)) = points.next() else {
-        return match piece.points {
-            0 => Ok(()),
-            points => {
-                let problem = unexpected(format!("an array of {points} Points"), "none");
-                Err(decoder.fault_in_element(piece.at, problem))
-            }
-        };
+    let Some(array) = piece.arrays.iter().find(|array| array.section == "Points") else {
+        if piece.points == 0 {
+            return Ok(());
+        }
+        let problem = unexpected(format!("an array of {} Points", piece.points), "none");
+        return Err(decoder.fault_in_element(piece.at, problem));
     };
     if array.components != 3 {
         let problem = unexpected("3 components of Points", array.components.to_string());
         return Err(decoder.fault(array, problem));
     }
-    let values = decoder.floats(array, piece.points.checked_mul(3).or(Some(usize::MAX)))?;
+    let values = decoder.floats(array, Some(piece.points.saturating_mul(3)))?;
     let positions = values.as_chunks::<3>().0;
     for (k, position) in positions.iter().enumerate() {
         check_finite(position, parsed.positions.len() + k, broken)
@@ -171,117 +167,80 @@ fn add_points(
     Ok(())
 }
 
-/// Cells of one section.
+/// Cells of one kind.
 struct Cells<'a> {
-    connectivity: Option<&'a Array>,
+    connectivity: &'a Array,
     corners: Vec<i64>,
     /// The end of each cell in `corners`.
     ends: Vec<usize>,
 }
 
 impl<'a> Cells<'a> {
+    /// The cells of a kind of [`CELLS`], if there are any.
     fn read(
         decoder: &mut Decoder<'_>,
         piece: &'a Piece,
-        section: Section,
-        count: usize,
-    ) -> Result<Self, Fault> {
-        let mut cells = Self { connectivity: None, corners: vec![], ends: vec![] };
+        kind: usize,
+    ) -> Result<Option<Self>, Fault> {
+        let (section, count) = (CELLS[kind], piece.cells[kind]);
         if count == 0 {
-            return Ok(cells);
+            return Ok(None);
         }
         let array = |name: &str| {
-            piece.array(section, name).ok_or_else(|| {
-                let problem = unexpected(format!("an array {name} of {section:?}"), "none");
+            let is_wanted = |array: &&Array| array.section == section && array.name == name;
+            piece.arrays.iter().find(is_wanted).ok_or_else(|| {
+                let problem = unexpected(format!("an array {name} of {section}"), "none");
                 decoder.fault_in_element(piece.at, problem)
             })
         };
         let (connectivity, offsets) = (array("connectivity")?, array("offsets")?);
-        cells.corners = decoder.integers(connectivity, None)?;
-        let mut before = 0;
+        let corners = decoder.integers(connectivity, None)?;
+        let (mut ends, mut before) = (Vec::new(), 0);
         for (cell, end) in decoder.integers(offsets, Some(count))?.into_iter().enumerate() {
-            let end = usize::try_from(end).ok().filter(|&end| end <= cells.corners.len());
-            let Some(end) = end.filter(|&end| end >= before) else {
-                let expected = format!("ascending offsets up to {}", cells.corners.len());
+            let end =
+                usize::try_from(end).ok().filter(|end| (before..=corners.len()).contains(end));
+            before = end.ok_or_else(|| {
+                let expected = format!("ascending offsets up to {}", corners.len());
                 let problem = unexpected(expected, format!("another at cell {cell}"));
-                return Err(decoder.fault_at(offsets, cell, problem));
-            };
-            cells.ends.push(end);
-            before = end;
+                decoder.fault_at(offsets, cell, problem)
+            })?;
+            ends.push(before);
         }
-        if before != cells.corners.len() {
+        if before != corners.len() {
             let expected = format!("{before} numbers in array connectivity, as offsets say");
-            let problem = unexpected(expected, cells.corners.len().to_string());
+            let problem = unexpected(expected, corners.len().to_string());
             return Err(decoder.fault(connectivity, problem));
         }
-        cells.connectivity = Some(connectivity);
-        Ok(cells)
-    }
-
-    fn iter(&self) -> impl Iterator<Item = (usize, &[i64])> {
-        let mut start = 0;
-        self.ends.iter().enumerate().map(move |(cell, &end)| {
-            let corners = &self.corners[start..end];
-            start = end;
-            (cell, corners)
-        })
-    }
-
-    /// A problem at a corner.
-    fn fault(&self, decoder: &Decoder<'_>, at: usize, problem: ReadProblem) -> Fault {
-        match self.connectivity {
-            Some(array) => decoder.fault_at(array, at, problem),
-            None => Fault::whole(problem),
-        }
+        Ok(Some(Self { connectivity, corners, ends }))
     }
 }
 
-/// The numbers of an array of fields, for `count` elements.
-fn decode(
-    decoder: &mut Decoder<'_>,
-    array: &Array,
-    count: usize,
-    parsed: &mut Parsed,
-) -> Result<Vec<f64>, Fault> {
-    let expected = count.saturating_mul(array.components);
-    let values = decoder.floats(array, Some(expected))?;
-    const EXACT: f64 = 9_007_199_254_740_992.0;
-    let wide = matches!(array.kind, ArrayType::I64 | ArrayType::U64);
-    if wide && values.iter().any(|x| x.abs() > EXACT) {
-        let name = &array.name;
-        parsed.doubts.push(format!("integers of {name:?} are rounded to 53 bits"));
-    }
-    Ok(values)
-}
-
-/// Adds the values of the elements `of` to those of the pieces before.
+/// Adds the values of an array to those of the pieces before: of the elements `of`, or of all.
 fn join(
     arrays: &mut Vec<NamedArray>,
     pieces: usize,
     array: &Array,
-    values: &[f64],
-    of: &[usize],
-    parsed: &mut Parsed,
+    mut values: Vec<f64>,
+    of: Option<&[usize]>,
+    doubts: &mut Vec<String>,
 ) {
-    let components = array.components;
-    let values = of.iter().flat_map(|&k| &values[k * components..(k + 1) * components]).copied();
-    let known = arrays.iter().position(|known| known.name == array.name);
-    match known {
-        None if pieces == 0 => {
-            let kind = match array.kind {
-                ArrayType::Number(number) => Some(number),
-                ArrayType::I64 | ArrayType::U64 => None,
-            };
-            let (name, values) = (array.name.clone(), values.collect());
-            arrays.push(NamedArray { name, kind, components, values });
-        }
-        Some(k) if pieces > 0 && arrays[k].components == components => {
-            arrays[k].values.extend(values);
-        }
-        _ => {
-            let name = &array.name;
-            parsed.doubts.push(format!("the array {name:?} is not in every piece once: left out"));
-        }
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let (name, components) = (array.name.clone(), array.components);
+    let kind = match array.kind {
+        ArrayType::Number(number) => Some(number),
+        ArrayType::I64 | ArrayType::U64 => None,
+    };
+    if kind.is_none() && values.iter().any(|x| x.abs() > EXACT) {
+        doubts.push(format!("integers of {name:?} are rounded to 53 bits"));
+    }
+    if let Some(of) = of {
+        let element = |&k: &usize| values[k * components..(k + 1) * components].iter().copied();
+        values = of.iter().flat_map(element).collect();
+    }
+    match arrays.iter_mut().find(|known| known.name == name) {
+        None if pieces == 0 => arrays.push(NamedArray { name, kind, components, values }),
+        Some(known) if pieces > 0 && known.components == components => known.values.extend(values),
+        _ => doubts.push(format!("the array {name:?} is not in every piece once: left out")),
     }
 }
 
@@ -322,5 +281,5 @@ fn fields(
             array.kind = types.into_iter().find(|t| array.values.iter().all(|&x| t.holds(x)));
         }
     }
-    columns(arrays, colors, &mut parsed.notes)
+    from_arrays(arrays, colors, &mut parsed.notes)
 }

@@ -1,17 +1,15 @@
 //! The numbers of the arrays of a VTP file.
 
 use std::borrow::Cow;
-use std::ops::Range;
 
 use base64::Engine;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::engine::general_purpose::STANDARD;
 
-use crate::io::NumberType;
-use crate::io::ReadOptions;
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::number_type::word;
 use crate::io::text::Cursor;
-use crate::io::vtp::document::{Array, ArrayType, Content, Document};
+use crate::io::vtp::document::{Array, ArrayType, Content, Document, fault_in_element};
+use crate::io::{NumberType, Reader};
 
 /// The decoder of arrays.
 pub(super) struct Decoder<'a> {
@@ -22,25 +20,9 @@ pub(super) struct Decoder<'a> {
     budget: usize,
 }
 
-/// A position in encoded data.
-struct Stream<'a> {
-    /// The data and the part not yet read.
-    data: &'a [u8],
-    base64: bool,
-    /// The start of `data` in the file.
-    start: usize,
-    at: usize,
-}
-
-/// Accepts padding or none, since headers and data are encoded one after the other.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &base64::alphabet::STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
-);
-
 impl<'a> Decoder<'a> {
     pub(super) fn new(bytes: &'a [u8], document: &'a Document) -> Self {
-        Self { bytes, document, budget: ReadOptions::unpacked_limit(bytes.len()) }
+        Self { bytes, document, budget: Reader::unpacked_limit(bytes.len()) }
     }
 
     /// The numbers of an array; `expected` is their number, if it is known.
@@ -87,14 +69,25 @@ impl<'a> Decoder<'a> {
         parse: impl Fn(&mut Cursor<'_>) -> Result<T, Fault>,
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, Fault> {
+        let mut values = Vec::new();
         if let Content::Text(place) = &array.content {
-            let values = self.text(place, parse)?;
-            return self.counted(array, values, expected);
+            let mut cursor = Cursor::new(&self.bytes[..place.end], place.start, None);
+            while cursor.more() {
+                values.push(parse(&mut cursor)?);
+            }
+        } else {
+            let data = self.data(array)?;
+            let size = array.kind.size();
+            self.spend(array, 8 * (data.len() / size))?;
+            values.extend(data.chunks_exact(size).map(decode));
         }
-        let data = self.data(array)?;
-        let size = array.kind.size();
-        self.take_budget(array, 8 * (data.len() / size))?;
-        self.counted(array, data.chunks_exact(size).map(decode).collect(), expected)
+        match expected {
+            Some(expected) if expected != values.len() => {
+                let what = format!("{expected} numbers in array {:?}", array.name);
+                Err(self.fault(array, unexpected(what, values.len().to_string())))
+            }
+            _ => Ok(values),
+        }
     }
 
     /// A problem at the element of an array.
@@ -104,8 +97,7 @@ impl<'a> Decoder<'a> {
 
     /// A problem at the element that begins at a byte, perhaps after white space.
     pub(super) fn fault_in_element(&self, at: usize, problem: ReadProblem) -> Fault {
-        let from = self.bytes[at..].iter().position(|&b| b == b'<').unwrap_or(0);
-        Fault::on_line(self.bytes, at + from, problem)
+        fault_in_element(self.bytes, at, problem)
     }
 
     /// A problem at a number of an array of text, or at the element of another array.
@@ -119,46 +111,15 @@ impl<'a> Decoder<'a> {
         cursor.fault(problem)
     }
 
-    fn counted<T>(
-        &self,
-        array: &Array,
-        values: Vec<T>,
-        expected: Option<usize>,
-    ) -> Result<Vec<T>, Fault> {
-        match expected {
-            Some(expected) if expected != values.len() => {
-                let what = format!("{expected} numbers in array {:?}", array.name);
-                Err(self.fault(array, unexpected(what, values.len().to_string())))
-            }
-            _ => Ok(values),
-        }
-    }
-
-    fn text<T>(
-        &self,
-        place: &Range<usize>,
-        number: impl Fn(&mut Cursor<'_>) -> Result<T, Fault>,
-    ) -> Result<Vec<T>, Fault> {
-        let mut cursor = Cursor::new(&self.bytes[..place.end], place.start, None);
-        let mut values = Vec::new();
-        while cursor.more() {
-            values.push(number(&mut cursor)?);
-        }
-        Ok(values)
-    }
-
-    fn take_budget(&mut self, array: &Array, bytes: usize) -> Result<(), Fault> {
-        match self.budget.checked_sub(bytes) {
-            Some(left) => {
-                self.budget = left;
-                Ok(())
-            }
-            None => {
-                let (compressed, limit) =
-                    (self.bytes.len() as u64, Self::new(self.bytes, self.document).budget as u64);
-                Err(self.fault(array, ReadProblem::Grows { compressed, limit }))
-            }
-        }
+    /// Refuses more memory than the limit.
+    fn spend(&mut self, array: &Array, bytes: usize) -> Result<(), Fault> {
+        let left = self.budget.checked_sub(bytes);
+        self.budget = left.ok_or_else(|| {
+            let length = self.bytes.len();
+            let limit = Reader::unpacked_limit(length) as u64;
+            self.fault(array, ReadProblem::Grows { compressed: length as u64, limit })
+        })?;
+        Ok(())
     }
 
     /// The bytes of the numbers of an array that is no text.
@@ -166,44 +127,26 @@ impl<'a> Decoder<'a> {
         let mut stream = self.stream(array)?;
         let bad = |stream: &Stream<'_>, what: &str| {
             let expected = format!("{what} of array {:?}", array.name);
-            Fault::at_byte(stream.start + stream.at, unexpected(expected, "other content"))
-        };
-        let word_size = if self.document.long_headers { 8 } else { 4 };
-        let header = |stream: &mut Stream<'a>, words: usize| -> Option<Vec<usize>> {
-            let bytes = stream.take(words.checked_mul(word_size)?)?;
-            let words = bytes.chunks_exact(word_size);
-            let words = words.map(|w| word(w, word_size, self.document.big_endian));
-            words.map(|w| usize::try_from(w).ok()).collect()
+            Fault::at_byte(stream.at, unexpected(expected, "other content"))
         };
         if !self.document.compressed {
-            // The header and the data are one stream.
-            let expected = "a header and its number of bytes";
-            let read = |stream: &mut Stream<'a>| match stream.base64 {
-                false => {
-                    let length = header(stream, 1)?[0];
-                    stream.take(length)
-                }
-                true => stream.take_with_header(word_size, self.document.big_endian),
-            };
-            return read(&mut stream).ok_or_else(|| bad(&stream, expected));
+            let data = stream.words(1).and_then(|length| stream.take(length[0]));
+            return data.ok_or_else(|| bad(&stream, "a header and its number of bytes"));
         }
-        let blocks = header(&mut stream, 1).ok_or_else(|| bad(&stream, "a header"))?[0];
-        // The first number was the beginning of a longer header.
-        stream.at = 0;
-        let sizes = blocks.checked_add(3).and_then(|words| header(&mut stream, words));
-        let sizes = sizes.ok_or_else(|| bad(&stream, "the sizes of compressed blocks"))?;
-        let whole = sizes[3..].iter().try_fold(0, |sum: usize, &size| sum.checked_add(size));
-        let packed = whole.and_then(|whole| stream.take(whole));
-        let packed = packed.ok_or_else(|| bad(&stream, "the compressed blocks"))?;
+        // The number of blocks, the size of each and of a short last one, and their packed sizes.
+        let header = stream.words(3).and_then(|sizes| Some((stream.words(sizes[0])?, sizes)));
+        let Some((packed_sizes, sizes)) = header else {
+            return Err(bad(&stream, "the sizes of compressed blocks"));
+        };
         let mut unpacked = Vec::new();
-        let mut start = 0;
-        for (block, &size) in sizes[3..].iter().enumerate() {
-            let is_short = block + 1 == blocks && sizes[2] > 0;
+        for (block, &size) in packed_sizes.iter().enumerate() {
+            let is_short = block + 1 == packed_sizes.len() && sizes[2] > 0;
             let length = if is_short { sizes[2] } else { sizes[1] };
-            self.take_budget(array, length)?;
-            inflate(&packed[start..start + size], length, &mut unpacked)
+            let packed = stream.take(size);
+            let packed = packed.ok_or_else(|| bad(&stream, "the compressed blocks"))?;
+            self.spend(array, length)?;
+            inflate(&packed, length, &mut unpacked)
                 .map_err(|error| self.fault(array, ReadProblem::Compression(error)))?;
-            start += size;
         }
         Ok(Cow::Owned(unpacked))
     }
@@ -213,58 +156,63 @@ impl<'a> Decoder<'a> {
             let expected = format!("{expected} of array {:?}", array.name);
             self.fault(array, unexpected(expected, "none"))
         };
-        match (&array.content, &self.document.appended) {
+        let (start, end, base64) = match (&array.content, &self.document.appended) {
             (Content::Appended(offset), Some(appended)) => {
                 let start = appended.bytes.start.checked_add(*offset);
                 let start = start.filter(|&start| start <= appended.bytes.end);
                 let start = start.ok_or_else(|| missing("appended data at the offset"))?;
-                let data = &self.bytes[start..appended.bytes.end];
-                Ok(Stream { data, base64: appended.base64, start, at: 0 })
+                (start, appended.bytes.end, appended.base64)
             }
             (Content::Base64(place), _) => {
-                let data = &self.bytes[place.clone()];
-                let blank = data.iter().take_while(|b| b.is_ascii_whitespace()).count();
-                let start = place.start + blank;
-                Ok(Stream { data: &data[blank..], base64: true, start, at: 0 })
+                let text = &self.bytes[place.clone()];
+                (place.end - text.trim_ascii_start().len(), place.end, true)
             }
-            _ => Err(missing("the appended data")),
-        }
+            _ => return Err(missing("the appended data")),
+        };
+        let (bytes, document) = (&self.bytes[..end], self.document);
+        Ok(Stream { bytes, at: start, base64, decoded: vec![], document })
     }
 }
 
+/// A position in data of words and bytes, which may be base64.
+struct Stream<'a> {
+    /// The file up to the end of the data.
+    bytes: &'a [u8],
+    at: usize,
+    base64: bool,
+    /// Bytes of the letters before `at` that are not taken yet.
+    decoded: Vec<u8>,
+    document: &'a Document,
+}
+
 impl<'a> Stream<'a> {
-    /// The next `length` bytes: as they are, or a unit of base64 by itself.
+    /// The next numbers of a header.
+    fn words(&mut self, count: usize) -> Option<Vec<usize>> {
+        let Document { word_size, big_endian, .. } = *self.document;
+        let bytes = self.take(count.checked_mul(word_size)?)?;
+        let words = bytes.chunks_exact(word_size).map(|w| word(w, word_size, big_endian));
+        words.map(|word| usize::try_from(word).ok()).collect()
+    }
+
+    /// The next `length` bytes. Some writers encode header and data as one unit of base64, others
+    /// one after the other, so that padding may occur between bytes.
     fn take(&mut self, length: usize) -> Option<Cow<'a, [u8]>> {
         if !self.base64 {
-            let bytes = self.data[self.at..].get(..length)?;
+            let bytes = self.bytes[self.at..].get(..length)?;
             self.at += length;
             return Some(Cow::Borrowed(bytes));
         }
-        let mut bytes = self.decoded(length)?;
-        bytes.truncate(length);
-        self.at += length.div_ceil(3) * 4;
-        Some(Cow::Owned(bytes))
-    }
-
-    /// The data that a header counts, where both are one unit of base64.
-    fn take_with_header(&mut self, word_size: usize, big_endian: bool) -> Option<Cow<'a, [u8]>> {
-        let header = self.decoded(word_size)?;
-        let length = usize::try_from(word(&header, word_size, big_endian)).ok()?;
-        // Some writers encode the header by itself.
-        let alone = word_size.div_ceil(3) * 4;
-        if !word_size.is_multiple_of(3) && self.data.get(alone - 1) == Some(&b'=') {
-            self.at = alone;
-            return self.take(length);
+        let mut bytes = std::mem::take(&mut self.decoded);
+        while bytes.len() < length {
+            let letters = (length - bytes.len()).div_ceil(3).checked_mul(4)?;
+            let letters = self.bytes[self.at..].get(..letters)?;
+            let padding = letters.iter().position(|&letter| letter == b'=');
+            let end = padding.map_or(letters.len(), |at| at / 4 * 4 + 4);
+            STANDARD.decode_vec(&letters[..end], &mut bytes).ok()?;
+            self.at += end;
         }
-        let mut bytes = self.decoded(word_size.checked_add(length)?)?;
-        bytes.truncate(word_size + length);
-        Some(Cow::Owned(bytes.split_off(word_size)))
-    }
-
-    /// At least `length` bytes from the place on, in whole groups of four letters.
-    fn decoded(&self, length: usize) -> Option<Vec<u8>> {
-        let letters = self.data[self.at..].get(..length.div_ceil(3).checked_mul(4)?)?;
-        BASE64.decode(letters).ok().filter(|bytes| bytes.len() >= length)
+        self.decoded = bytes.split_off(length);
+        Some(Cow::Owned(bytes))
     }
 }
 
@@ -276,13 +224,12 @@ fn inflate(packed: &[u8], length: usize, unpacked: &mut Vec<u8>) -> std::io::Res
     let before = unpacked.len();
     let limit = u64::try_from(length).unwrap_or(u64::MAX).saturating_add(1);
     flate2::read::ZlibDecoder::new(packed).take(limit).read_to_end(unpacked)?;
-    match unpacked.len() - before == length {
-        true => Ok(()),
-        false => Err(std::io::Error::other(format!(
-            "a block holds {} bytes and should hold {length}",
-            unpacked.len() - before
-        ))),
+    let found = unpacked.len() - before;
+    if found == length {
+        return Ok(());
     }
+    let problem = format!("a block holds {found} bytes and should hold {length}");
+    Err(std::io::Error::other(problem))
 }
 
 #[cfg(not(feature = "gzip"))]

@@ -22,23 +22,21 @@ pub(super) enum ArrayType {
     U64,
 }
 
-impl ArrayType {
-    fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "Int8" => Self::Number(NumberType::I8),
-            "UInt8" => Self::Number(NumberType::U8),
-            "Int16" => Self::Number(NumberType::I16),
-            "UInt16" => Self::Number(NumberType::U16),
-            "Int32" => Self::Number(NumberType::I32),
-            "UInt32" => Self::Number(NumberType::U32),
-            "Float32" => Self::Number(NumberType::F32),
-            "Float64" => Self::Number(NumberType::F64),
-            "Int64" => Self::I64,
-            "UInt64" => Self::U64,
-            _ => return None,
-        })
-    }
+/// The types of arrays by their names.
+pub(super) const TYPES: [(&str, ArrayType); 10] = [
+    ("Int8", ArrayType::Number(NumberType::I8)),
+    ("UInt8", ArrayType::Number(NumberType::U8)),
+    ("Int16", ArrayType::Number(NumberType::I16)),
+    ("UInt16", ArrayType::Number(NumberType::U16)),
+    ("Int32", ArrayType::Number(NumberType::I32)),
+    ("UInt32", ArrayType::Number(NumberType::U32)),
+    ("Float32", ArrayType::Number(NumberType::F32)),
+    ("Float64", ArrayType::Number(NumberType::F64)),
+    ("Int64", ArrayType::I64),
+    ("UInt64", ArrayType::U64),
+];
 
+impl ArrayType {
     /// The number of bytes.
     pub(super) fn size(self) -> usize {
         match self {
@@ -59,9 +57,19 @@ pub(super) enum Content {
     Appended(usize),
 }
 
+/// The kinds of cells, elements of a piece, in the order in which a piece numbers them.
+pub(super) const CELLS: [&str; 4] = ["Verts", "Lines", "Polys", "Strips"];
+
+/// The element of a piece that holds an array.
+fn section_of(name: &str) -> Option<&'static str> {
+    ["PointData", "CellData", "Points"].into_iter().chain(CELLS).find(|&section| section == name)
+}
+
 /// An element `DataArray`.
 #[derive(Debug, Clone)]
 pub(super) struct Array {
+    /// The name of the element around it.
+    pub(super) section: &'static str,
     pub(super) name: String,
     pub(super) kind: ArrayType,
     pub(super) components: usize,
@@ -70,54 +78,17 @@ pub(super) struct Array {
     pub(super) at: usize,
 }
 
-/// The parts of a piece that hold arrays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
-    PointData,
-    CellData,
-    Points,
-    Verts,
-    Lines,
-    Strips,
-    Polys,
-}
-
-impl Section {
-    fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "PointData" => Self::PointData,
-            "CellData" => Self::CellData,
-            "Points" => Self::Points,
-            "Verts" => Self::Verts,
-            "Lines" => Self::Lines,
-            "Strips" => Self::Strips,
-            "Polys" => Self::Polys,
-            _ => return None,
-        })
-    }
-}
-
 /// An element `Piece`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Piece {
     pub(super) points: usize,
-    pub(super) verts: usize,
-    pub(super) lines: usize,
-    pub(super) strips: usize,
-    pub(super) polys: usize,
-    pub(super) arrays: Vec<(Section, Array)>,
+    /// The number of cells of each kind of [`CELLS`].
+    pub(super) cells: [usize; 4],
+    pub(super) arrays: Vec<Array>,
     /// The names of the arrays of normals of points and of cells.
     pub(super) normals: [Option<String>; 2],
     /// The start of the element in the file.
     pub(super) at: usize,
-}
-
-impl Piece {
-    /// The array of this name in a section.
-    pub(super) fn array(&self, section: Section, name: &str) -> Option<&Array> {
-        let mut arrays = self.arrays.iter().filter(|(s, _)| *s == section);
-        arrays.find(|(_, array)| array.name == name).map(|(_, array)| array)
-    }
 }
 
 /// The appended data.
@@ -132,8 +103,8 @@ pub(super) struct Appended {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Document {
     pub(super) big_endian: bool,
-    /// True if headers of data are of 64 bits.
-    pub(super) long_headers: bool,
+    /// The number of bytes of each number of a header.
+    pub(super) word_size: usize,
     pub(super) compressed: bool,
     pub(super) pieces: Vec<Piece>,
     pub(super) appended: Option<Appended>,
@@ -148,8 +119,10 @@ const MAX_ARRAYS: usize = 4096;
 struct Walk<'a> {
     bytes: &'a [u8],
     document: Document,
-    section: Option<Section>,
-    /// The array whose text comes next.
+    /// The place of the element.
+    at: usize,
+    section: Option<&'static str>,
+    /// True in an array whose text has not come yet.
     waiting: bool,
     arrays: usize,
 }
@@ -157,51 +130,40 @@ struct Walk<'a> {
 /// Reads the elements up to the appended data.
 pub(super) fn read(bytes: &[u8]) -> Result<Document, Fault> {
     let mut reader = Reader::from_reader(bytes);
-    let walk =
-        Walk { bytes, document: Document::default(), section: None, waiting: false, arrays: 0 };
-    let mut walk = walk;
+    let document = Document::default();
+    let mut walk = Walk { bytes, document, at: 0, section: None, waiting: false, arrays: 0 };
     let mut root = false;
     loop {
-        let before = usize::try_from(reader.buffer_position()).unwrap_or(bytes.len());
+        walk.at = usize::try_from(reader.buffer_position()).unwrap_or(bytes.len());
         let event = reader.read_event().map_err(|error| {
-            let at = usize::try_from(reader.error_position()).unwrap_or(before);
+            let at = usize::try_from(reader.error_position()).unwrap_or(walk.at);
             Fault::on_line(bytes, at, unexpected("XML", error.to_string()))
         })?;
         match event {
             Event::Start(tag) | Event::Empty(tag) if !root => {
-                walk.root(&tag, before)?;
+                walk.root(&tag)?;
                 root = true;
             }
             Event::Start(tag) if tag.name().as_ref() == "AppendedData" => {
-                walk.appended(&tag, before)?;
+                walk.document.appended = Some(walk.appended(&tag)?);
                 return Ok(walk.document);
             }
-            Event::Start(tag) => walk.start(&tag, before)?,
+            Event::Start(tag) => walk.start(&tag)?,
             Event::Empty(tag) => {
-                walk.start(&tag, before)?;
-                walk.waiting = false;
-                walk.section = walk.section.filter(|_| tag.name().as_ref() == "DataArray");
+                walk.start(&tag)?;
+                walk.end(tag.name().as_ref());
             }
             Event::Text(text) if walk.waiting && !text.trim().is_empty() => {
-                if let Some(place) = place_of(&text, bytes) {
-                    walk.text(place);
-                }
+                place_of(&text, bytes).into_iter().for_each(|place| walk.text(place));
             }
-            Event::End(tag) => match tag.name().as_ref() {
-                "DataArray" => walk.waiting = false,
-                name if Section::from_name(name).is_some() => walk.section = None,
-                _ => {}
-            },
+            Event::End(tag) => walk.end(tag.name().as_ref()),
             Event::Eof => break,
             _ => {}
         }
     }
     if !root || !bytes.trim_ascii_end().ends_with(b"</VTKFile>") {
-        return Err(Fault::on_line(
-            bytes,
-            bytes.len(),
-            unexpected("</VTKFile>", "the end of the file"),
-        ));
+        let problem = unexpected("</VTKFile>", "the end of the file");
+        return Err(Fault::on_line(bytes, bytes.len(), problem));
     }
     Ok(walk.document)
 }
@@ -212,21 +174,19 @@ fn place_of(part: &str, bytes: &[u8]) -> Option<Range<usize>> {
     Some(start..start + part.len()).filter(|place| place.end <= bytes.len())
 }
 
+/// A problem at the element that begins at a byte, perhaps after white space.
+pub(super) fn fault_in_element(bytes: &[u8], at: usize, problem: ReadProblem) -> Fault {
+    let from = bytes[at..].iter().position(|&b| b == b'<').unwrap_or(0);
+    Fault::on_line(bytes, at + from, problem)
+}
+
 impl Walk<'_> {
-    fn fault(&self, at: usize, problem: ReadProblem) -> Fault {
-        // The text between two elements comes before the second.
-        let from = self.bytes[at..].iter().position(|&b| b == b'<').unwrap_or(0);
-        Fault::on_line(self.bytes, at + from, problem)
+    fn unexpected(&self, expected: impl Into<String>, found: impl Into<String>) -> Fault {
+        fault_in_element(self.bytes, self.at, unexpected(expected, found))
     }
 
-    fn attribute(
-        &self,
-        tag: &BytesStart<'_>,
-        name: &str,
-        at: usize,
-    ) -> Result<Option<String>, Fault> {
-        let bad =
-            |found: String| self.fault(at, unexpected(format!("the attribute {name}"), found));
+    fn attribute(&self, tag: &BytesStart<'_>, name: &str) -> Result<Option<String>, Fault> {
+        let bad = |found: String| self.unexpected(format!("the attribute {name}"), found);
         let found = tag.try_get_attribute(name).map_err(|error| bad(error.to_string()))?;
         let value = found.map(|attribute| {
             attribute.normalized_value(XmlVersion::Implicit1_0).map(Cow::into_owned)
@@ -235,152 +195,139 @@ impl Walk<'_> {
     }
 
     /// The attribute as a count; 0 if it is missing.
-    fn count(&self, tag: &BytesStart<'_>, name: &str, at: usize) -> Result<usize, Fault> {
-        match self.attribute(tag, name, at)? {
-            None => Ok(0),
-            Some(text) => text.trim().parse().map_err(|_| {
-                self.fault(at, unexpected(format!("a count as {name}"), format!("{text:?}")))
-            }),
+    fn count(&self, tag: &BytesStart<'_>, name: &str) -> Result<usize, Fault> {
+        self.attribute(tag, name)?.map_or(Ok(0), |text| {
+            let expected = || format!("a count as {name}");
+            text.trim().parse().map_err(|_| self.unexpected(expected(), format!("{text:?}")))
+        })
+    }
+
+    /// The meaning of an attribute by a table of its values; the first if it is missing.
+    fn choice<T: Clone>(
+        &self,
+        tag: &BytesStart<'_>,
+        name: &str,
+        values: &[(&str, T)],
+        expected: &str,
+    ) -> Result<T, Fault> {
+        let Some(found) = self.attribute(tag, name)? else { return Ok(values[0].1.clone()) };
+        match values.iter().find(|(value, _)| *value == found) {
+            Some((_, meaning)) => Ok(meaning.clone()),
+            None => Err(self.unexpected(expected, format!("{found:?}"))),
         }
     }
 
-    fn root(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<(), Fault> {
-        let expect =
-            |expected: &str, found: String| Err(self.fault(at, unexpected(expected, found)));
+    fn root(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
         if tag.name().as_ref() != "VTKFile" {
-            return expect("the element VTKFile", tag.name().as_ref().to_owned());
+            return Err(self.unexpected("the element VTKFile", tag.name().as_ref().to_owned()));
         }
-        let of = |name| self.attribute(tag, name, at);
-        match of("type")?.as_deref() {
-            Some("PolyData") => {}
-            other => return expect("the type PolyData", format!("{:?}", other.unwrap_or(""))),
+        let kind = self.attribute(tag, "type")?.unwrap_or_default();
+        if kind != "PolyData" {
+            return Err(self.unexpected("the type PolyData", format!("{kind:?}")));
         }
-        let big_endian = match of("byte_order")?.as_deref() {
-            None | Some("LittleEndian") => false,
-            Some("BigEndian") => true,
-            Some(other) => {
-                return expect("byte_order LittleEndian or BigEndian", format!("{other:?}"));
-            }
-        };
-        let long_headers = match of("header_type")?.as_deref() {
-            None | Some("UInt32") => false,
-            Some("UInt64") => true,
-            Some(other) => return expect("header_type UInt32 or UInt64", format!("{other:?}")),
-        };
-        let compressed = match of("compressor")?.as_deref() {
-            None | Some("") => false,
-            Some("vtkZLibDataCompressor") => true,
-            Some(other) => {
-                return expect("data compressed with vtkZLibDataCompressor", format!("{other:?}"));
-            }
-        };
-        self.document = Document { big_endian, long_headers, compressed, ..Document::default() };
+        let orders = [("LittleEndian", false), ("BigEndian", true)];
+        let expected = "byte_order LittleEndian or BigEndian";
+        self.document.big_endian = self.choice(tag, "byte_order", &orders, expected)?;
+        let sizes = [("UInt32", 4), ("UInt64", 8)];
+        let expected = "header_type UInt32 or UInt64";
+        self.document.word_size = self.choice(tag, "header_type", &sizes, expected)?;
+        let compressors = [("", false), ("vtkZLibDataCompressor", true)];
+        let expected = "data compressed with vtkZLibDataCompressor";
+        self.document.compressed = self.choice(tag, "compressor", &compressors, expected)?;
         Ok(())
     }
 
-    fn start(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<(), Fault> {
+    fn start(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
         let name = tag.name();
-        let name = name.as_ref();
-        if name == "Piece" {
-            return self.piece(tag, at);
-        }
-        if let Some(section) = Section::from_name(name) {
-            self.section = Some(section);
-            let which = match section {
-                Section::PointData => 0,
-                Section::CellData => 1,
-                _ => return Ok(()),
-            };
-            let normals = self.attribute(tag, "Normals", at)?;
-            if let Some(piece) = self.document.pieces.last_mut() {
-                piece.normals[which] = normals;
-            }
-            return Ok(());
-        }
-        match (name, self.section) {
-            ("DataArray", Some(section)) => self.array(tag, section, at),
+        match (name.as_ref(), self.section) {
+            ("Piece", _) => self.piece(tag)?,
+            ("DataArray", Some(section)) => self.array(tag, section)?,
             ("DataArray" | "Array", _) => {
-                let name = self.attribute(tag, "Name", at)?.unwrap_or_default();
+                let name = self.attribute(tag, "Name")?.unwrap_or_default();
                 self.document.notes.push(format!("the array {name:?} is ignored"));
-                Ok(())
             }
-            _ => Ok(()),
+            (name, _) => {
+                self.section = section_of(name).or(self.section);
+                let data = ["PointData", "CellData"].into_iter().position(|data| data == name);
+                if let Some(which) = data {
+                    let normals = self.attribute(tag, "Normals")?;
+                    if let Some(piece) = self.document.pieces.last_mut() {
+                        piece.normals[which] = normals;
+                    }
+                }
+            }
         }
+        Ok(())
     }
 
-    fn counted(&mut self, at: usize) -> Result<(), Fault> {
+    fn end(&mut self, name: &str) {
+        self.waiting &= name != "DataArray";
+        self.section = self.section.filter(|_| section_of(name).is_none());
+    }
+
+    fn counted(&mut self) -> Result<(), Fault> {
         self.arrays += 1;
         if self.arrays > MAX_ARRAYS {
-            let expected = format!("at most {MAX_ARRAYS} arrays and pieces");
-            return Err(self.fault(at, unexpected(expected, "more")));
+            return Err(self.unexpected(format!("at most {MAX_ARRAYS} arrays and pieces"), "more"));
         }
         Ok(())
     }
 
-    fn piece(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<(), Fault> {
-        self.counted(at)?;
-        let piece = Piece {
-            points: self.count(tag, "NumberOfPoints", at)?,
-            verts: self.count(tag, "NumberOfVerts", at)?,
-            lines: self.count(tag, "NumberOfLines", at)?,
-            strips: self.count(tag, "NumberOfStrips", at)?,
-            polys: self.count(tag, "NumberOfPolys", at)?,
-            at,
-            ..Piece::default()
-        };
+    fn piece(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
+        self.counted()?;
+        let points = self.count(tag, "NumberOfPoints")?;
+        let mut piece = Piece { points, at: self.at, ..Piece::default() };
+        for (count, kind) in piece.cells.iter_mut().zip(CELLS) {
+            *count = self.count(tag, &format!("NumberOf{kind}"))?;
+        }
         self.document.pieces.push(piece);
         Ok(())
     }
 
-    fn array(&mut self, tag: &BytesStart<'_>, section: Section, at: usize) -> Result<(), Fault> {
-        self.counted(at)?;
-        let name = self.attribute(tag, "Name", at)?.unwrap_or_default();
-        let kind = self.attribute(tag, "type", at)?.unwrap_or_default();
-        let Some(kind) = ArrayType::from_name(&kind) else {
+    fn array(&mut self, tag: &BytesStart<'_>, section: &'static str) -> Result<(), Fault> {
+        self.counted()?;
+        let name = self.attribute(tag, "Name")?.unwrap_or_default();
+        let kind = self.attribute(tag, "type")?.unwrap_or_default();
+        let Some(&(_, kind)) = TYPES.iter().find(|(name, _)| *name == kind) else {
             self.document.notes.push(format!("the array {name:?} of type {kind:?} is ignored"));
             return Ok(());
         };
-        let components = self.count(tag, "NumberOfComponents", at)?.max(1);
-        let content = match self.attribute(tag, "format", at)?.as_deref() {
-            None | Some("ascii") => Content::Text(0..0),
-            Some("binary") => Content::Base64(0..0),
-            Some("appended") => Content::Appended(self.count(tag, "offset", at)?),
-            Some(other) => {
-                let expected = format!("the format ascii, binary or appended of array {name:?}");
-                return Err(self.fault(at, unexpected(expected, format!("{other:?}"))));
-            }
-        };
+        let components = self.count(tag, "NumberOfComponents")?.max(1);
+        let contents = [
+            ("ascii", Content::Text(0..0)),
+            ("binary", Content::Base64(0..0)),
+            ("appended", Content::Appended(0)),
+        ];
+        let expected = format!("the format ascii, binary or appended of array {name:?}");
+        let mut content = self.choice(tag, "format", &contents, &expected)?;
+        if let Content::Appended(offset) = &mut content {
+            *offset = self.count(tag, "offset")?;
+        }
         self.waiting = !matches!(content, Content::Appended(_));
         let Some(piece) = self.document.pieces.last_mut() else {
-            return Err(self.fault(at, unexpected("the element Piece", "DataArray")));
+            return Err(self.unexpected("the element Piece", "DataArray"));
         };
-        piece.arrays.push((section, Array { name, kind, components, content, at }));
+        piece.arrays.push(Array { section, name, kind, components, content, at: self.at });
         Ok(())
     }
 
     /// The first text in an array holds its numbers.
     fn text(&mut self, range: Range<usize>) {
         self.waiting = false;
-        let arrays = self.document.pieces.last_mut().map(|piece| &mut piece.arrays);
-        if let Some((_, array)) = arrays.and_then(|arrays| arrays.last_mut()) {
-            match &mut array.content {
-                Content::Text(place) | Content::Base64(place) => *place = range,
-                Content::Appended(_) => {}
-            }
+        let array = self.document.pieces.last_mut().and_then(|piece| piece.arrays.last_mut());
+        if let Some(Content::Text(place) | Content::Base64(place)) =
+            array.map(|array| &mut array.content)
+        {
+            *place = range;
         }
     }
 
-    fn appended(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<(), Fault> {
-        let base64 = match self.attribute(tag, "encoding", at)?.as_deref() {
-            Some("raw") => false,
-            None | Some("base64") => true,
-            Some(other) => {
-                let problem = unexpected("appended data in raw or base64", format!("{other:?}"));
-                return Err(self.fault(at, problem));
-            }
-        };
+    fn appended(&self, tag: &BytesStart<'_>) -> Result<Appended, Fault> {
+        let encodings = [("base64", true), ("raw", false)];
+        let expected = "appended data in raw or base64";
+        let base64 = self.choice(tag, "encoding", &encodings, expected)?;
         // The bracket that ends the tag follows.
-        let start = place_of(tag, self.bytes).map_or(at, |place| place.end + 1);
+        let start = place_of(tag, self.bytes).map_or(self.at, |place| place.end + 1);
         let whole = self.bytes.trim_ascii_end().strip_suffix(b"</VTKFile>");
         let whole = whole.and_then(|bytes| bytes.trim_ascii_end().strip_suffix(b"</AppendedData>"));
         let Some(whole) = whole.filter(|whole| whole.len() >= start) else {
@@ -388,9 +335,8 @@ impl Walk<'_> {
             return Err(Fault::at_byte(self.bytes.len(), problem));
         };
         let Some(mark) = whole[start..].iter().position(|&b| b == b'_') else {
-            return Err(self.fault(at, unexpected("_ before appended data", "none")));
+            return Err(self.unexpected("_ before appended data", "none"));
         };
-        self.document.appended = Some(Appended { base64, bytes: start + mark + 1..whole.len() });
-        Ok(())
+        Ok(Appended { base64, bytes: start + mark + 1..whole.len() })
     }
 }

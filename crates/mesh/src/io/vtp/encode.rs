@@ -4,12 +4,12 @@ use std::collections::HashSet;
 
 use quick_xml::escape::escape;
 
-use crate::io::column::width_of;
+use crate::io::columns::width_of;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
 use crate::io::surface::{Encoded, Faces, Surface, lines};
-use crate::io::vtp::document::{COLORS, NAME};
+use crate::io::vtp::document::{ArrayType, COLORS, NAME, TYPES};
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
 /// The numbers of an array.
@@ -32,17 +32,12 @@ struct DataArray<'a> {
 
 impl DataArray<'_> {
     fn type_name(&self) -> &'static str {
-        match self.values {
-            Values::Bytes(_) | Values::Floats(_, NumberType::U8) => "UInt8",
-            Values::Corners(_) | Values::Numbers(_) => "Int64",
-            Values::Floats(_, NumberType::I8) => "Int8",
-            Values::Floats(_, NumberType::I16) => "Int16",
-            Values::Floats(_, NumberType::U16) => "UInt16",
-            Values::Floats(_, NumberType::I32) => "Int32",
-            Values::Floats(_, NumberType::U32) => "UInt32",
-            Values::Floats(_, NumberType::F32) => "Float32",
-            Values::Floats(_, NumberType::F64) => "Float64",
-        }
+        let kind = match self.values {
+            Values::Bytes(_) => ArrayType::Number(NumberType::U8),
+            Values::Corners(_) | Values::Numbers(_) => ArrayType::I64,
+            Values::Floats(_, number) => ArrayType::Number(number),
+        };
+        TYPES.iter().find(|(_, of_name)| *of_name == kind).map_or("", |&(name, _)| name)
     }
 
     /// The numbers in little-endian order, in pieces.

@@ -2,7 +2,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::TriMesh;
+use crate::trimesh::TriMesh;
 
 /// The triangles of one polygon.
 fn triangulated(points: &[[f64; 3]]) -> TriMesh {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::io::parsed::{Broken, Parsed};
-use crate::io::{Format, NumberType, ReadOptions, WriteOptions, read_bytes, to_bytes};
+use crate::io::{Format, NumberType, Reader, WriteOptions, to_bytes};
 use crate::polygon::Polygons;
 
 const FILES: [&str; 3] =
@@ -212,7 +212,7 @@ fn names_that_would_clash_are_changed() {
          </PointData><Points>{}</Points></Piece></PolyData></VTKFile>",
         values("", 3)
     );
-    let read = |bytes: &[u8]| read_bytes("", bytes, &ReadOptions::default()).unwrap();
+    let read = |bytes: &[u8]| Reader::default().read_bytes("", bytes).unwrap();
     let file = read(file.as_bytes());
     let scalars: Vec<&str> = file.fields.scalars.iter().map(|(name, _)| &name[..]).collect();
     let expected = ["x", "a_x", "a_y", "a_z", "red", "green", "blue", "field", "b", "v_y"];
@@ -232,7 +232,7 @@ fn points_are_cells() {
         let bytes = to_bytes(Format::Vtp, &points, &Default::default(), &options).unwrap();
         let text = String::from_utf8_lossy(&bytes);
         assert!(text.contains("NumberOfVerts=\"2\"") && text.contains("<Verts>"), "{text}");
-        let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+        let file = Reader::strict().read_bytes("", &bytes).unwrap();
         assert_eq!((file.mesh, file.report.notes.len()), (points.clone(), 0));
     }
 }
