@@ -115,32 +115,21 @@ impl Experiment for Noise {
 }
 
 fn changes_table() -> Result<Table> {
-    let mut changes = Table::new(
-        "changes",
-        &TEXT.say("table changes", &[])?,
-        &[
-            ("surface", Unit::Label),
-            ("vertices", Unit::Count),
-            ("σ/h", Unit::EdgeLengths),
-            ("estimator", Unit::Label),
-            ("change of H", Unit::Relative),
-            ("change of K", Unit::Relative),
-            ("change of √|K|", Unit::Relative),
-            ("√|K| over H", Unit::One),
-            ("standard error", Unit::One),
-            ("ranks of H", Unit::One),
-            ("ranks of K", Unit::One),
-        ],
-    );
-    for column in [
-        "change of H",
-        "change of K",
-        "change of √|K|",
-        "√|K| over H",
-        "standard error",
-        "ranks of H",
-        "ranks of K",
-    ] {
+    let columns = [
+        ("surface", Unit::Label),
+        ("vertices", Unit::Count),
+        ("σ/h", Unit::EdgeLengths),
+        ("estimator", Unit::Label),
+        ("change of H", Unit::Relative),
+        ("change of K", Unit::Relative),
+        ("change of √|K|", Unit::Relative),
+        ("√|K| over H", Unit::One),
+        ("standard error", Unit::One),
+        ("ranks of H", Unit::One),
+        ("ranks of K", Unit::One),
+    ];
+    let mut changes = Table::new("changes", &TEXT.say("table changes", &[])?, &columns);
+    for (column, _) in &columns[4..] {
         changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
     }
     Ok(changes.aside(&["standard error", "ranks of H", "ranks of K"]))
@@ -302,21 +291,6 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 /// The estimators of the plot.
 const PLOTTED: [&str; 3] = ["cotangent", "corrected", "adaptive"];
 
-/// The changes of √|K| over those of H that the plot shows.
-fn finest_rows(changes: &Table) -> Result<Vec<f64>> {
-    let mut ratios = vec![];
-    for surface in SURFACES {
-        let rows = changes.only(&[("surface", surface.name().into())])?;
-        let finest = rows.column("vertices")?.into_iter().fold(0.0, larger);
-        for name in PLOTTED {
-            let rows = rows.only(&[("estimator", name.into())])?;
-            let known = rows.column("√|K| over H")?.into_iter().zip(rows.column("vertices")?);
-            ratios.extend(known.filter(|(_, n)| *n == finest).map(|(ratio, _)| ratio));
-        }
-    }
-    Ok(ratios)
-}
-
 /// The effect visible in the plot, from the changes of √|K| over those of H.
 fn seen(ratios: &[f64]) -> Result<String> {
     let [least, most] = extremes(ratios.iter().copied());
@@ -331,6 +305,7 @@ fn seen(ratios: &[f64]) -> Result<String> {
 /// The changes of H and of √|K| over σ/h, on the finest meshes.
 fn plot(changes: &Table) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
+    let mut ratios = vec![];
     for (i, surface) in SURFACES.into_iter().enumerate() {
         let mut plot = Plot {
             title: surface.name().into(),
@@ -340,20 +315,20 @@ fn plot(changes: &Table) -> Result<Picture> {
             ..Plot::default()
         };
         let rows = changes.only(&[("surface", surface.name().into())])?;
-        let finest = rows.column("vertices")?.into_iter().fold(0.0, larger);
+        let [_, finest] = extremes(rows.column("vertices")?);
+        let rows = rows.only(&[("vertices", (finest as usize).into())])?;
         for name in PLOTTED {
             let rows = rows.only(&[("estimator", name.into())])?;
+            ratios.extend(rows.column("√|K| over H")?);
             for (column, what) in [("change of H", "H"), ("change of √|K|", "√|K|")] {
-                let vertices = rows.column("vertices")?;
                 let points = rows.column("σ/h")?.into_iter().zip(rows.column(column)?);
-                let kept = points.zip(vertices).filter(|(_, n)| *n == finest);
-                let points = kept.map(|((x, y), _)| [x, y]).collect();
+                let points = points.map(<[f64; 2]>::from).collect();
                 plot.series.push(Series::marked(format!("{what}, {name}"), points));
             }
         }
         figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 240.0)?));
     }
-    let seen = seen(&finest_rows(changes)?)?;
+    let seen = seen(&ratios)?;
     plotted(
         &figure,
         "changes",
