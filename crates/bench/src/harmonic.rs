@@ -154,7 +154,7 @@ fn extent(mesh: &TriMesh) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::*;
+    use super::*;
 
     /// Refinement lowers the residuals of all orders.
     #[test]

@@ -205,7 +205,7 @@ fn comb(count: u32) -> Result<TriMesh> {
 
 #[cfg(test)]
 mod tests {
-    use crate::*;
+    use super::*;
 
     #[test]
     fn the_shapes_are_manifold() {

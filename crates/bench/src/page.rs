@@ -306,7 +306,7 @@ fn thousands(count: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::*;
+    use super::*;
 
     #[test]
     fn the_exponent_of_a_power_is_found() {

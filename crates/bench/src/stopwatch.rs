@@ -69,7 +69,7 @@ pub(crate) fn peak_megabytes() -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use crate::*;
+    use super::*;
 
     #[test]
     fn phases_of_one_name_add_up() {

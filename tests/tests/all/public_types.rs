@@ -281,7 +281,7 @@ fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Types that only the benchmark of denoisers uses, through hidden modules.
+/// Types that only the study uses, through the feature `training`, and private ones with public names.
 const HIDDEN: [&str; 12] = [
     "Growth",
     "Layer",

@@ -42,7 +42,7 @@ impl Experiment for Shown {
         let half: Vec<[f64; 3]> = mesh.positions().iter().map(|p| p.map(|x| 0.5 * x)).collect();
         let panel = Panel::moving("sphere", &mesh, [mesh.positions(), &half])
             .with_field("x", "m", true, &values)
-            .with_live_smoothing(&mesh);
+            .with_live_smoothing();
         Ok(Outcome {
             tables: vec![table],
             figures: vec![Picture {

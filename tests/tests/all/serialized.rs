@@ -82,7 +82,7 @@ fn methods_come_back_with_all_their_options() {
     for denoiser in Denoiser::all() {
         json_of(&denoiser);
     }
-    for options in [ScaleOptions::ASSIGNMENT, ScaleOptions::SIGNED, ScaleOptions::MAGNITUDE] {
+    for options in [ScaleOptions::EQUALIZED_HUE, ScaleOptions::SIGNED, ScaleOptions::MAGNITUDE] {
         json_of(&options);
     }
     let constraints = Constraints::boundary(Boundary::Sliding);

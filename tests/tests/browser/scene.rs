@@ -281,7 +281,7 @@ pub(crate) fn publish(folder: &Path) -> Result<()> {
     let image = fairing_figure::render(&mesh, clay, None, &camera, &options)?;
     std::fs::create_dir_all(folder.join("q5"))?;
     std::fs::write(folder.join("picture.png"), image.to_png()?)?;
-    std::fs::write(folder.join("q5/wide.csv"), wide().to_csv())?;
+    std::fs::write(folder.join("q5/wide.csv"), wide().to_csv()?)?;
     let provenance = Provenance {
         program: "fairing".into(),
         commit: "0123456789abcdef".into(),
