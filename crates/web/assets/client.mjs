@@ -2,9 +2,9 @@
  * The side of the page: requests as promises, answered in their order by a worker that owns the
  * module.
  *
- * A worker at work hears nothing, so cancelling ends it; a new one takes over the meshes, of which
- * the page has copies. The same happens after a defect or where memory runs out: `call` fails, and
- * the next one succeeds.
+ * A busy worker receives no messages, so cancelling ends it; a new one takes over the meshes, of
+ * which the page has copies. The same happens after a defect or where memory runs out: `call`
+ * fails, and the next one succeeds.
  */
 export class Client {
   #module;

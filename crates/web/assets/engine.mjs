@@ -60,7 +60,7 @@ export class Engine {
   #broken(error) {
     const panic = this.#panic();
     const used = `${Math.round(this.size / 2 ** 20)} MB in use`;
-    // An allocation that fails ends without a word; one beyond all addresses panics.
+    // An allocation that fails ends without a message; one beyond all addresses panics.
     const isMemory = panic ? panic.includes('capacity overflow') : /unreachable/i.test(error.message);
     let words = `a defect of Fairing, please report it: ${panic ?? error.message}`;
     if (isMemory) words = `the computation was ended: it needs more memory than a page can have (${used})`;

@@ -22,9 +22,10 @@ pub(crate) fn sample(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
 
 /// The bytes of a file: `name`, whose extension counts, and `drop_broken`.
 pub(crate) fn read(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
-    let options = match request.flag("drop_broken") {
-        true => ReadOptions::dropping_broken(),
-        false => ReadOptions::default(),
+    let options = if request.flag("drop_broken") {
+        ReadOptions::dropping_broken()
+    } else {
+        ReadOptions::default()
     };
     let file = io::read_bytes(request.text("name")?, request.bytes, &options)?;
     let MeshFile { mesh, fields, report, .. } = file;

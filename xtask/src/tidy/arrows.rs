@@ -93,6 +93,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     (
         "fairing-web",
         &[
+            "fairing",
             "fairing-watch",
             "fairing-parameters",
             "fairing-mesh",

@@ -71,7 +71,7 @@ const again = await client.call({verb: 'smooth', mesh: value.mesh});
 assert.deepEqual(again.arrays.positions, good.value.arrays.positions);
 assert.deepEqual(again.value.dropped, ['mean']);
 
-// So they do after a defect and where memory runs out, of which the page hears in words.
+// Meshes also survive a panic or a failed allocation, which the page receives as a message.
 const heavy = {verb: 'smooth', mesh: value.mesh, method: 'conformal', values: {iterations: 1000}};
 const broken = client.call(heavy);
 alive.onerror({message: 'a defect'});
