@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, SupportsIndex, TypeAlias
 
-#: Called with the stage, how much of it is done, and how much there is (None where nobody knows).
+#: Called as `progress(stage, done, total)`; `total` is None if unknown.
 ProgressCallback: TypeAlias = Callable[[str, int, "int | None"], object]
 
 #: No progress, a bar of tqdm, or a callback.

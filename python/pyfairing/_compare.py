@@ -43,7 +43,7 @@ def compare(
         of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
     """
     with running(threads, progress) as call:
-        diagonal, entries, table = _core.compare(
+        report, table = _core.compare(
             mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call
         )
-    return Scores(diagonal, entries, table)
+    return Scores(report, table)

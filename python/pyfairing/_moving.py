@@ -266,7 +266,7 @@ class Moving(Base):
         """
         with running(threads, progress) as call:
             found = _core.noise_level(self._core, call)
-        return None if found is None else NoiseLevel(*found)
+        return None if found is None else NoiseLevel(**found)
 
     @DENOISER.takes
     @documented
@@ -329,17 +329,16 @@ class Moving(Base):
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
-        noise, surface, approach, error, undecided, (spikes, flipped, uneven) = found
-        if uneven:
+        if found["uneven_vertices"]:
             warn(
-                f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
+                f"{found['uneven_vertices']} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
                 "these parts stay as they are; other methods move them, too"
             )
-        names = ("sigma", "correlation_length", "wide_sigma")
-        report |= dict(zip(names, noise or (None, None, None)))
-        report |= {"surface": surface, "approach": approach, "expected_error": error, "spikes": spikes}
-        report |= {"undecided": undecided, "flipped_faces": flipped}
-        return self._moved(core, report)
+        noise = found["noise"] or {}
+        report |= {name: noise.get(name) for name in ("sigma", "correlation_length", "wide_sigma")}
+        report["surface"] = found["kind"]
+        names = ("approach", "expected_error", "spikes", "undecided", "flipped_faces")
+        return self._moved(core, report | {name: found[name] for name in names})
 
     @documented
     def subdivide(self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> Self:

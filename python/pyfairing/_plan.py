@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 from os import PathLike, fspath
 from typing import Any
 
-#: Files of which so much is read to find the counts.
+#: Number of bytes read from the start of a file to find its counts.
 _HEAD = 1 << 14
 #: Bytes of text for each vertex, faces included: about the least that is usual.
 _TEXT = 60
 #: Bytes of binary files for each vertex, faces included.
 _BINARY = 38
-#: How much gzip compresses, where nothing says it.
+#: Assumed compression ratio of gzip files.
 _RATIO = 4
-#: A batch ends with the mesh that brings it to so many vertices, or so many meshes.
+#: A batch ends with the mesh that brings it to this number of vertices or of meshes.
 BATCH_VERTICES = 400_000
 BATCH_MESHES = 64
 

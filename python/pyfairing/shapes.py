@@ -87,7 +87,7 @@ def irregular_plane(spacing: float = 0.03, seed: int = 1) -> Mesh:
 
 
 def cube(squares: int = 16, diagonals: Diagonals = "regular") -> Mesh:
-    """A cube with so many squares on a side."""
+    """A cube with a number of squares along each side."""
     return _make("cube", [], [squares], diagonals)
 
 

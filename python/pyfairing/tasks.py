@@ -47,7 +47,7 @@ def curvature(mesh: Mesh, estimator: Estimator = "adaptive") -> dict[str, Any]:
 
 
 def shape_dna(mesh: Mesh, k: int = 20, kind: Kind = "auto") -> dict[str, Any]:
-    """The first k eigenvalues and their products with the area; fewer if there are not so many vertices."""
+    """The first k eigenvalues and their products with the area; fewer if there are fewer vertices."""
     used = mesh.n_vertices - mesh.info()["isolated_vertices"]
     spectrum = mesh.spectrum(min(k, used), kind)
     return {

@@ -25,7 +25,7 @@ from pyfairing import _plan  # noqa: E402
 
 #: Meshes of the corpus of these tests.
 COUNT = int(os.environ.get("PYFAIRING_DATASET_MESHES", "2000"))
-#: Every so many files are broken.
+#: One in this number of files is broken.
 BROKEN = 50
 
 
