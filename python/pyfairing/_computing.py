@@ -414,7 +414,7 @@ def compare(
         A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
         of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
     """
-    diagonal, entries, table = _core.compare(
+    report, table = _core.compare(
         mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call(threads, progress)
     )
-    return Scores(diagonal, entries, table)
+    return Scores(report, table)

@@ -238,7 +238,7 @@ def noise_level(self: Mesh, *, threads: int | None = None, progress: Progress = 
         None if there are too few vertices.
     """
     found = _core.noise_level(self._core, call(threads, progress))
-    return None if found is None else NoiseLevel(*found)
+    return None if found is None else NoiseLevel(**found)
 
 
 @DENOISER.takes
@@ -300,17 +300,16 @@ def denoise(
     report: dict[str, Any] = {"method": method}
     if found is None:
         return self._moved(core, report)
-    noise, surface, approach, error, undecided, (spikes, flipped, uneven) = found
-    if uneven:
+    if found["uneven_vertices"]:
         warn(
-            f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
+            f"{found['uneven_vertices']} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
             "these parts stay as they are; other methods move them, too"
         )
-    names = ("sigma", "correlation_length", "wide_sigma")
-    report |= dict(zip(names, noise or (None, None, None)))
-    report |= {"surface": surface, "approach": approach, "expected_error": error, "spikes": spikes}
-    report |= {"undecided": undecided, "flipped_faces": flipped}
-    return self._moved(core, report)
+    noise = found["noise"] or {}
+    report |= {name: noise.get(name) for name in ("sigma", "correlation_length", "wide_sigma")}
+    report["surface"] = found["kind"]
+    names = ("approach", "expected_error", "spikes", "undecided", "flipped_faces")
+    return self._moved(core, report | {name: found[name] for name in names})
 
 
 @documented

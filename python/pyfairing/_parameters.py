@@ -23,18 +23,40 @@ _TYPES = {
 }
 
 
+def python_name(name: str) -> str:
+    """The name of a parameter, where `lambda` is a word of the language and `kind` is that of Laplacians."""
+    return {"lambda": "lam", "operator": "kind"}.get(name, name.replace("-", "_"))
+
+
+def _parameter(of: Parameter) -> Parameter:
+    """A parameter with its name in Python and its name in the crates, the `key`."""
+    bounded = of["high"] is not None or of["low"] not in (None, 0.0)
+    return {
+        **of,
+        "name": python_name(of["name"]),
+        "key": of["name"],
+        "range": of["range"] if bounded else None,
+        "default": of["default"] or None,
+        "choices": [(choice["name"], choice["about"]) for choice in of["choices"]],
+        "excludes": [python_name(name) for name in of["excludes"]],
+    }
+
+
 class Family:
     """The algorithms of one kind, with their parameters."""
 
     def __init__(self, what: str) -> None:
         self.what = what
-        rows: list[tuple[str, str, list[Parameter]]] = _core.tables()[what]
-        self.descriptions = {name: description for name, description, _ in rows}
-        self.algorithms = {name: {p["name"]: p for p in parameters} for name, _, parameters in rows}
+        methods: list[dict[str, Any]] = _core.tables()[what]
+        self.descriptions: dict[str, str] = {method["name"]: method["about"] for method in methods}
+        self.algorithms: dict[str, dict[str, Parameter]] = {
+            method["name"]: {python_name(p["name"]): _parameter(p) for p in method["parameters"]}
+            for method in methods
+        }
         #: Each parameter by name, with the algorithms that have it.
         self.parameters: dict[str, dict[str, Parameter]] = {}
-        for name, _, parameters in rows:
-            for parameter in parameters:
+        for name, parameters in self.algorithms.items():
+            for parameter in parameters.values():
                 self.parameters.setdefault(parameter["name"], {})[name] = parameter
 
     def values(self, algorithm: str, options: Mapping[str, Any], n: int) -> list[tuple[str, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -199,17 +199,15 @@ class Scores(Mapping[str, float]):
         Scores that are not defined for these meshes, with the reason.
     """
 
-    def __init__(
-        self,
-        diagonal: float,
-        entries: list[tuple[str, str, str, float | None, str | None]],
-        table: str,
-    ) -> None:
-        self.diagonal = diagonal
-        self.labels = {name: label for name, label, *_ in entries}
-        self.units = {name: unit for name, _, unit, *_ in entries}
-        self.missing = {name: reason or "" for name, _, _, value, reason in entries if value is None}
-        self._values = {name: value for name, _, _, value, _ in entries if value is not None}
+    def __init__(self, report: Mapping[str, Any], table: str) -> None:
+        scores = report["scores"]
+        self.diagonal: float = report["diagonal"]
+        self.labels = {score["name"]: score["label"] for score in scores}
+        self.units = {score["name"]: score["unit"] for score in scores}
+        self.missing = {score["name"]: score["reason"] for score in scores if "reason" in score}
+        self._values: dict[str, float] = {
+            score["name"]: score["value"] for score in scores if "value" in score
+        }
         self._table = table
 
     def __getitem__(self, name: str) -> float:

@@ -16,7 +16,7 @@ use crate::run::Call;
 
 /// A view: a name, or azimuth and elevation in degrees.
 #[derive(FromPyObject)]
-enum View {
+pub(crate) enum View {
     Named(String),
     Angles(f64, f64),
 }
@@ -43,7 +43,7 @@ impl View {
 /// Style of the picture, from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Style {
+pub(crate) struct Style {
     view: View,
     up: String,
     size: (u32, u32),
@@ -76,7 +76,7 @@ impl Style {
 /// Colour mapping, from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Coloring {
+pub(crate) struct Coloring {
     map: Option<String>,
     range: Option<(f64, f64)>,
     equalize: bool,
@@ -99,7 +99,7 @@ type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<Bar>);
 /// The picture, and its colour range if a field is shown.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
-fn render_mesh<'py>(
+pub(crate) fn render_mesh<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     field: Option<PyReadonlyArray1<'_, f64>>,
@@ -144,7 +144,7 @@ type NamedField<'py> = (String, PyReadonlyArray1<'py, f64>, Option<PyReadonlyArr
 
 /// The interactive page of meshes, each with its title and its fields.
 #[pyfunction]
-fn viewer_page(
+pub(crate) fn viewer_page(
     py: Python<'_>,
     meshes: Vec<(PyRef<'_, Mesh>, String, Vec<NamedField<'_>>)>,
     shown: Option<String>,
@@ -180,7 +180,7 @@ fn viewer_page(
 
 /// The bytes of a PNG file of an `h × w × 4` image.
 #[pyfunction]
-fn png<'py>(
+pub(crate) fn png<'py>(
     py: Python<'py>,
     pixels: numpy::PyReadonlyArray3<'_, u8>,
 ) -> PyResult<Bound<'py, PyBytes>> {
@@ -189,10 +189,4 @@ fn png<'py>(
     let flat: Vec<u8> = pixels.as_array().iter().copied().collect();
     let image = Image::from_pixels(width, height, flat.as_chunks::<4>().0.to_vec());
     Ok(PyBytes::new(py, &image.map_err(Error::from)?.to_png().map_err(Error::from)?))
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(render_mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(viewer_page, module)?)?;
-    module.add_function(wrap_pyfunction!(png, module)?)
 }

@@ -49,7 +49,7 @@ impl Sources {
 
 /// Factorised heat method for any sources.
 #[pyclass(frozen, module = "pyfairing._core")]
-struct Geodesics {
+pub(crate) struct Geodesics {
     mesh: Arc<TriMesh>,
     inner: Arc<HeatGeodesics>,
     /// A note if a face too thin for cotangents made the Laplacian robust.
@@ -124,7 +124,7 @@ type Polyline<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, bool
 
 /// The pieces of each isoline; infinite values count as none.
 #[pyfunction]
-fn isolines<'py>(
+pub(crate) fn isolines<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     field: PyReadonlyArray1<'_, f64>,
@@ -139,9 +139,4 @@ fn isolines<'py>(
     })?;
     let polyline = |line: Isoline| Ok((rows(py, line.points)?, rows(py, line.edges)?, line.closed));
     found.into_iter().map(|lines| lines.into_iter().map(polyline).collect()).collect()
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Geodesics>()?;
-    module.add_function(wrap_pyfunction!(isolines, module)?)
 }

@@ -15,7 +15,7 @@ use crate::run::Call;
 
 /// Implicit heat steps of fixed length.
 #[pyclass(frozen, module = "pyfairing._core")]
-struct Heat {
+pub(crate) struct Heat {
     inner: Arc<HeatDiffusion>,
     /// A note if a face too thin for cotangents made the Laplacian robust.
     #[pyo3(get)]
@@ -65,7 +65,7 @@ impl Heat {
 /// Solves −Δu = f with u prescribed at some vertices; with a note as in [`assemble`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
-fn poisson<'py>(
+pub(crate) fn poisson<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     f: PyReadonlyArray1<'_, f64>,
@@ -82,9 +82,4 @@ fn poisson<'py>(
         Ok((Poisson::new(&laplacian, &fixed)?.solve(&f, &at_fixed)?, note))
     })?;
     Ok((column(py, found), note))
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Heat>()?;
-    module.add_function(wrap_pyfunction!(poisson, module)?)
 }

@@ -21,7 +21,7 @@ mod spectrum;
 mod surfaces;
 mod tables;
 
-use pyo3::prelude::*;
+use pyo3::pymodule;
 
 /// Reuses freed memory instead of returning it to the system.
 #[global_allocator]
@@ -30,20 +30,41 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 // No class has state that changes: all are frozen. The only global state is that of `run`, behind a
 // lock. Arrays of callers are copied before other threads run.
 #[pymodule(gil_used = false)]
-fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    error::register(module)?;
-    mesh::register(module)?;
-    repair::register(module)?;
-    operators::register(module)?;
-    spectrum::register(module)?;
-    geodesic::register(module)?;
-    heat::register(module)?;
-    smoothing::register(module)?;
-    denoising::register(module)?;
-    evaluation::register(module)?;
-    figure::register(module)?;
-    shapes::register(module)?;
-    surfaces::register(module)?;
-    tables::register(module)
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::denoising::denoise;
+    #[pymodule_export]
+    use super::evaluation::{compare, noise, scan};
+    #[pymodule_export]
+    use super::figure::{png, render_mesh, viewer_page};
+    #[pymodule_export]
+    use super::geodesic::{Geodesics, isolines};
+    #[pymodule_export]
+    use super::heat::{Heat, poisson};
+    #[pymodule_export]
+    use super::mesh::{Mesh, from_polygons, read, read_bytes};
+    #[pymodule_export]
+    use super::operators::{
+        curvature, divergence_of, gradient_of, laplacian, noise_level_of, polygon_laplacian,
+    };
+    #[pymodule_export]
+    use super::repair::{closest, components, repair_mesh};
+    #[pymodule_export]
+    use super::shapes::shape;
+    #[pymodule_export]
+    use super::smoothing::smooth;
+    #[pymodule_export]
+    use super::spectrum::{Spectrum, spectrum};
+    #[pymodule_export]
+    use super::surfaces::Surface;
+    #[pymodule_export]
+    use super::tables::tables;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        super::error::register(module)
+    }
 }

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use fairing::task;
 use fairing_mesh::io::{
-    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, ReadReport, Reader, Statements,
+    self, Encoding, FaceFields, FloatWidth, Format, MeshFile, Reader, Statements,
     UnsupportedFields, VertexFields, WriteOptions,
 };
 use fairing_mesh::{
@@ -13,7 +14,8 @@ use fairing_mesh::{
 use fairing_operators::{NormalWeight, face_normals, weighted_vertex_normals};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::PyBytes;
+use pythonize::pythonize;
 
 use crate::arrays::{column, rows, triples, values, view};
 use crate::error::{Error, Result};
@@ -227,10 +229,12 @@ impl Mesh {
         Ok(call.run(py, move || Ok(scheme(&mesh)?))?.into())
     }
 
-    fn diagnosis<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyDict>> {
+    fn diagnosis<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyAny>> {
         let mesh = self.share();
-        let d = call.run(py, move || Ok(Diagnosis::new(&mesh)))?;
-        as_dict(py, &d)
+        let diagnosis = call.run(py, move || Ok(Diagnosis::new(&mesh)))?;
+        let mut entries = task::diagnosis(&diagnosis);
+        entries.insert("hints".to_owned(), diagnosis.hints().into());
+        Ok(pythonize(py, &entries)?)
     }
 
     fn write(
@@ -308,39 +312,6 @@ fn fields((of_vertices, of_faces, of_corners): Fields<'_>) -> Result<VertexField
     })
 }
 
-fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("vertices", d.vertices)?;
-    dict.set_item("faces", d.faces)?;
-    dict.set_item("edges", d.edges)?;
-    dict.set_item("components", d.components)?;
-    dict.set_item("boundary_loops", d.boundary_loops)?;
-    dict.set_item("euler_characteristic", d.euler_characteristic)?;
-    dict.set_item("genus", d.genus)?;
-    dict.set_item("manifold", d.manifold)?;
-    dict.set_item("closed", d.closed)?;
-    dict.set_item("orientable", d.orientable)?;
-    dict.set_item("isolated_vertices", d.isolated_vertices.count)?;
-    dict.set_item("degenerate_faces", d.degenerate_faces.count)?;
-    dict.set_item("sliver_faces", d.sliver_faces.count)?;
-    dict.set_item("duplicate_faces", d.duplicate_faces.count)?;
-    dict.set_item("duplicate_positions", d.duplicate_positions.count)?;
-    dict.set_item("nonmanifold_edges", d.nonmanifold_edges.count)?;
-    dict.set_item("nonmanifold_vertices", d.nonmanifold_vertices.count)?;
-    dict.set_item("inconsistent_edges", d.inconsistent_edges.count)?;
-    dict.set_item("turned_faces", d.turned_faces.count)?;
-    dict.set_item("seam_vertices", d.seam_vertices)?;
-    dict.set_item("rounded_vertices", d.rounded_vertices.count)?;
-    dict.set_item("bounding_box", d.bounding_box)?;
-    dict.set_item("area", d.area)?;
-    dict.set_item("volume", d.volume)?;
-    dict.set_item("shortest_edge", d.shortest_edge)?;
-    dict.set_item("mean_edge", d.mean_edge)?;
-    dict.set_item("longest_edge", d.longest_edge)?;
-    dict.set_item("hints", d.hints())?;
-    Ok(dict)
-}
-
 /// Fields of vertices or of faces, for Python.
 type PyNamed<'py> = (
     Vec<(String, Bound<'py, PyArray1<f64>>)>,
@@ -351,7 +322,7 @@ type PyNamed<'py> = (
 /// Result of a reader: the mesh, the fields of vertices and of faces, texture coordinates of
 /// corners, and the report.
 type FileParts<'py> =
-    (Mesh, PyNamed<'py>, PyNamed<'py>, Option<Bound<'py, PyArray2<f64>>>, Bound<'py, PyDict>);
+    (Mesh, PyNamed<'py>, PyNamed<'py>, Option<Bound<'py, PyArray2<f64>>>, Bound<'py, PyAny>);
 
 fn named_fields(
     py: Python<'_>,
@@ -371,22 +342,7 @@ fn parts(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
     let of_vertices = named_fields(py, fields.scalars, fields.vectors, fields.colors)?;
     let of_faces = named_fields(py, faces.scalars, faces.vectors, faces.colors)?;
     let texture = faces.texture.map(|texture| rows(py, texture)).transpose()?;
-    Ok((mesh, of_vertices, of_faces, texture, report_dict(py, &report)?))
-}
-
-fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("format", report.format.to_string())?;
-    dict.set_item("compressed", report.compressed)?;
-    dict.set_item("faces", report.file_faces)?;
-    dict.set_item("polygons", report.polygons)?;
-    dict.set_item("reduced_faces", report.reduced)?;
-    dict.set_item("left_out_faces", report.left_out)?;
-    dict.set_item("broken_vertices", report.broken_vertices)?;
-    dict.set_item("broken_faces", report.broken_faces)?;
-    dict.set_item("notes", &report.notes)?;
-    dict.set_item("text", report.to_string())?;
-    Ok(dict)
+    Ok((mesh, of_vertices, of_faces, texture, pythonize(py, &task::read(&report))?))
 }
 
 fn reader(strict: bool, drop_broken: bool) -> Result<Reader> {
@@ -399,7 +355,7 @@ fn reader(strict: bool, drop_broken: bool) -> Result<Reader> {
 }
 
 #[pyfunction]
-fn read(
+pub(crate) fn read(
     py: Python<'_>,
     path: PathBuf,
     strict: bool,
@@ -412,7 +368,7 @@ fn read(
 }
 
 #[pyfunction]
-fn read_bytes(
+pub(crate) fn read_bytes(
     py: Python<'_>,
     name: PathBuf,
     bytes: Vec<u8>,
@@ -445,7 +401,7 @@ pub(crate) fn polygons(
 
 /// A mesh from polygons, split into triangles; it keeps them.
 #[pyfunction]
-fn from_polygons(
+pub(crate) fn from_polygons(
     py: Python<'_>,
     vertices: PyReadonlyArray2<'_, f64>,
     corners: PyReadonlyArray1<'_, u32>,
@@ -456,11 +412,4 @@ fn from_polygons(
     let (corners, sizes) = (values(&corners), values(&sizes));
     let mesh = call.run(py, move || Ok(polygons(positions, &corners, &sizes)?.triangulate()))?;
     Ok(mesh.into())
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Mesh>()?;
-    module.add_function(wrap_pyfunction!(read, module)?)?;
-    module.add_function(wrap_pyfunction!(read_bytes, module)?)?;
-    module.add_function(wrap_pyfunction!(from_polygons, module)?)
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fairing_denoising::noise_level;
+use fairing_denoising::{NoiseEstimate, noise_level};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing_operators::{
@@ -10,7 +10,8 @@ use fairing_operators::{
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pythonize::pythonize;
+use serde::Serialize;
 
 use crate::arrays::{Csr, column, csr, rows, triples, values};
 use crate::error::{Error, Result};
@@ -47,7 +48,7 @@ pub(crate) fn mass(py: Python<'_>, mass: MassMatrix) -> PyMass<'_> {
 }
 
 #[pyfunction]
-fn laplacian<'py>(
+pub(crate) fn laplacian<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     kind: &str,
@@ -64,7 +65,7 @@ fn laplacian<'py>(
 
 /// S and M of the polygons, without splitting them into triangles.
 #[pyfunction]
-fn polygon_laplacian<'py>(
+pub(crate) fn polygon_laplacian<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'_, f64>,
     corners: PyReadonlyArray1<'_, u32>,
@@ -83,13 +84,13 @@ fn polygon_laplacian<'py>(
 }
 
 #[pyfunction(name = "gradient")]
-fn gradient_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
+pub(crate) fn gradient_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
     let mesh = mesh.share();
     Ok(csr(py, call.run(py, move || Ok(gradient(&mesh)?))?))
 }
 
 #[pyfunction(name = "divergence")]
-fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
+pub(crate) fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
     let mesh = mesh.share();
     Ok(csr(py, call.run(py, move || Ok(divergence(&mesh)?))?))
 }
@@ -106,17 +107,30 @@ fn estimate(
     Ok(laplacian_curvature(mesh, &Laplacian::new(mesh, kind, MassKind::Barycentric)?)?)
 }
 
-type Directions<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+/// A curvature as arrays.
+#[derive(IntoPyObject)]
+pub(crate) struct Curvature<'py> {
+    mean: Bound<'py, PyArray1<f64>>,
+    gaussian: Bound<'py, PyArray1<f64>>,
+    kappa1: Bound<'py, PyArray1<f64>>,
+    kappa2: Bound<'py, PyArray1<f64>>,
+    defined: Bound<'py, PyArray1<bool>>,
+    boundary: Bound<'py, PyArray1<bool>>,
+    too_thin: Option<u32>,
+    narrowed: usize,
+    directions: Option<[Bound<'py, PyArray2<f64>>; 2]>,
+    accuracy: Option<[Bound<'py, PyArray1<f64>>; 3]>,
+}
 
 #[pyfunction]
-fn curvature<'py>(
+pub(crate) fn curvature<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     estimator: &str,
     given: Named,
     kind: Option<&str>,
     call: Call,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Curvature<'py>> {
     let estimator = Estimator::with(estimator, &borrowed(&given)).map_err(Error::option)?;
     let kind = kind.map(named::<LaplacianKind>).transpose()?;
     let mesh: Arc<TriMesh> = mesh.share();
@@ -125,49 +139,44 @@ fn curvature<'py>(
         let defined: Vec<bool> = field.status.iter().map(|s| s.is_defined()).collect();
         Ok((field, defined))
     })?;
-    let dict = PyDict::new(py);
-    dict.set_item("mean", column(py, field.mean))?;
-    dict.set_item("gaussian", column(py, field.gaussian))?;
-    dict.set_item("kappa1", column(py, field.kappa1))?;
-    dict.set_item("kappa2", column(py, field.kappa2))?;
-    dict.set_item("defined", column(py, defined))?;
-    dict.set_item("boundary", column(py, field.boundary))?;
-    dict.set_item("too_thin", field.too_thin)?;
-    dict.set_item("narrowed", field.narrowed)?;
-    let directions: Option<Directions<'_>> = match field.directions {
-        Some([first, second]) => Some((rows(py, first)?, rows(py, second)?)),
+    let directions = match field.directions {
+        Some([first, second]) => Some([rows(py, first)?, rows(py, second)?]),
         None => None,
     };
-    dict.set_item("directions", directions)?;
     let accuracy = field.accuracy.map(|found| {
         [found.mean_error, found.gaussian_error, found.scale].map(|values| column(py, values))
     });
-    dict.set_item("accuracy", accuracy)?;
-    Ok(dict)
-}
-
-/// The fields of `NoiseLevel`, in order.
-type NoiseNumbers = (f64, f64, bool, usize, f64, f64, f64, f64, f64);
-
-/// The noise level; `None` if it is undefined.
-#[pyfunction(name = "noise_level")]
-fn noise_level_of(py: Python<'_>, mesh: &Mesh, call: Call) -> PyResult<Option<NoiseNumbers>> {
-    let mesh = mesh.share();
-    call.run(py, move || {
-        Ok(noise_level(&mesh).map(|n| {
-            let (low, two_ring) = (n.low_ratio, n.two_ring_ratio);
-            let (tail, impulsive) = (n.tail_ratio, n.is_impulsive());
-            let (length, wide) = (n.correlation_length, n.wide_sigma);
-            (n.sigma, tail, impulsive, n.samples, low, n.correlation, two_ring, length, wide)
-        }))
+    Ok(Curvature {
+        mean: column(py, field.mean),
+        gaussian: column(py, field.gaussian),
+        kappa1: column(py, field.kappa1),
+        kappa2: column(py, field.kappa2),
+        defined: column(py, defined),
+        boundary: column(py, field.boundary),
+        too_thin: field.too_thin,
+        narrowed: field.narrowed,
+        directions,
+        accuracy,
     })
 }
 
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(laplacian, module)?)?;
-    module.add_function(wrap_pyfunction!(polygon_laplacian, module)?)?;
-    module.add_function(wrap_pyfunction!(gradient_of, module)?)?;
-    module.add_function(wrap_pyfunction!(divergence_of, module)?)?;
-    module.add_function(wrap_pyfunction!(curvature, module)?)?;
-    module.add_function(wrap_pyfunction!(noise_level_of, module)?)
+/// The fields of `NoiseLevel`.
+#[derive(Serialize)]
+struct NoiseLevel {
+    #[serde(flatten)]
+    level: NoiseEstimate,
+    impulsive: bool,
+}
+
+/// The noise level; `None` if it is undefined.
+#[pyfunction(name = "noise_level")]
+pub(crate) fn noise_level_of<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    call: Call,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mesh = mesh.share();
+    let level = call.run(py, move || Ok(noise_level(&mesh)))?;
+    let level = level.map(|level| NoiseLevel { level, impulsive: level.is_impulsive() });
+    Ok(pythonize(py, &level)?)
 }

@@ -1,11 +1,12 @@
 //! Repair, and closest points.
 
+use fairing::task::Unit;
 use fairing_evaluation::{SurfaceTree, inside};
 use fairing_mesh::{RepairOptions, Repaired, Tolerance};
 use fairing_smoothing::repair_fair;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::arrays::{column, rows, triples};
 use crate::mesh::Mesh;
@@ -15,7 +16,7 @@ use crate::run::Call;
 /// The steps of a repair and their limits, from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Steps {
+pub(crate) struct Steps {
     merge: bool,
     tolerance: Option<f64>,
     unit: String,
@@ -33,16 +34,10 @@ impl Steps {
     fn options(self) -> PyResult<RepairOptions> {
         let Self { merge, tolerance, unit, duplicates, orient, cavities, split, .. } = self;
         let Self { smallest_component, thin, isolated, holes, .. } = self;
-        type Length = fn(f64) -> Tolerance;
-        let units: [(&str, Length); 3] = [
-            ("edge", Tolerance::EdgeLengths),
-            ("model", Tolerance::Model),
-            ("diagonal", Tolerance::Diagonals),
-        ];
-        let length = choose("unit", &unit, &units)?;
+        let unit = choose("unit", &unit, &Unit::ALL.map(|unit| (unit.name(), unit)))?;
         Ok(RepairOptions {
             merge,
-            tolerance: tolerance.map_or(Tolerance::Rounding, length),
+            tolerance: tolerance.map_or(Tolerance::Rounding, |length| unit.tolerance(length)),
             duplicates,
             orient,
             cavities,
@@ -60,13 +55,25 @@ fn numbers<'py>(py: Python<'py>, elements: &[Option<u32>]) -> Bound<'py, PyArray
     column(py, elements.iter().map(|e| e.map_or(-1, i64::from)).collect())
 }
 
+/// Report of a repair; elements as arrays.
+#[derive(IntoPyObject)]
+pub(crate) struct Report<'py> {
+    unchanged: bool,
+    changes: Bound<'py, PyDict>,
+    open_holes: Vec<(u32, usize, &'static str)>,
+    vertices: Bound<'py, PyArray1<i64>>,
+    vertex_sources: Bound<'py, PyArray1<i64>>,
+    face_sources: Bound<'py, PyArray1<i64>>,
+    flat_patches: Option<String>,
+}
+
 /// The mesh with fair patches, the report, the vertex whose fields each vertex takes, and whether
 /// normals still fit.
 type PyRepaired<'py> =
-    (Mesh, Bound<'py, PyDict>, (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<usize>>), bool);
+    (Mesh, Report<'py>, (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<usize>>), bool);
 
 #[pyfunction(name = "repair")]
-fn repair_mesh<'py>(
+pub(crate) fn repair_mesh<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     steps: Steps,
@@ -83,19 +90,17 @@ fn repair_mesh<'py>(
     let unchanged = repaired.is_unchanged();
     let Repaired { mesh, vertex_sources, face_sources, vertices, changes, open_holes, .. } =
         repaired;
-    let report = PyDict::new(py);
-    report.set_item("unchanged", unchanged)?;
-    let changed = PyDict::new(py);
-    for (step, elements) in changes {
-        changed.set_item(step.name(), column(py, elements))?;
-    }
-    report.set_item("changes", changed)?;
-    let open = open_holes.iter().map(|hole| (hole.vertex, hole.edges, hole.reason.name()));
-    report.set_item("open_holes", open.collect::<Vec<_>>())?;
-    report.set_item("vertices", numbers(py, &vertices))?;
-    report.set_item("vertex_sources", numbers(py, &vertex_sources))?;
-    report.set_item("face_sources", numbers(py, &face_sources))?;
-    report.set_item("flat_patches", flat.map(|error| error.to_string()))?;
+    let changes = changes.into_iter().map(|(step, changed)| (step.name(), column(py, changed)));
+    let holes = open_holes.iter().map(|hole| (hole.vertex, hole.edges, hole.reason.name()));
+    let report = Report {
+        unchanged,
+        changes: changes.into_py_dict(py)?,
+        open_holes: holes.collect(),
+        vertices: numbers(py, &vertices),
+        vertex_sources: numbers(py, &vertex_sources),
+        face_sources: numbers(py, &face_sources),
+        flat_patches: flat.map(|error| error.to_string()),
+    };
     let sources = (column(py, nearest), column(py, corners));
     Ok((mesh.into(), report, sources, keeps_normals))
 }
@@ -104,7 +109,7 @@ fn repair_mesh<'py>(
 type Labels<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
 
 #[pyfunction]
-fn components<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Labels<'py>> {
+pub(crate) fn components<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Labels<'py>> {
     let mesh = mesh.share();
     let (vertices, faces) = call.run(py, move || {
         let components = mesh.topology().components();
@@ -121,7 +126,7 @@ type PyClosest<'py> =
 
 /// Closest points; with a sign distances are negative inside.
 #[pyfunction]
-fn closest<'py>(
+pub(crate) fn closest<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     points: PyReadonlyArray2<'_, f64>,
@@ -142,10 +147,4 @@ fn closest<'py>(
     let at = found.iter().map(|closest| closest.point).collect();
     let faces = found.iter().map(|closest| closest.face).collect();
     Ok((column(py, distances), rows(py, at)?, column(py, faces)))
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(repair_mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(components, module)?)?;
-    module.add_function(wrap_pyfunction!(closest, module)?)
 }

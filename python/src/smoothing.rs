@@ -46,7 +46,7 @@ fn exception(py: Python<'_>, error: FlowError) -> PyErr {
 
 /// The mesh, and the report of the flow.
 #[pyfunction]
-fn smooth<'py>(
+pub(crate) fn smooth<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     method: &str,
@@ -58,8 +58,4 @@ fn smooth<'py>(
     let result = call.run(py, move || Ok(method.run(&mesh, None)))?;
     let Smoothed { mesh, report, .. } = result.map_err(|error| exception(py, error))?;
     Ok((mesh.into(), report_dict(py, &report)?))
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(smooth, module)?)
 }

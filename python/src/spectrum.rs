@@ -231,7 +231,7 @@ impl Spectrum {
 
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 #[pyfunction]
-fn spectrum(
+pub(crate) fn spectrum(
     py: Python<'_>,
     mesh: &Mesh,
     k: usize,
@@ -256,9 +256,4 @@ fn spectrum(
         Ok((found, laplacian.kind().name(), note))
     })?;
     Ok((found.into(), taken, note))
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Spectrum>()?;
-    module.add_function(wrap_pyfunction!(spectrum, module)?)
 }

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 
 /// A surface `p(u, v)` from its name and parameters.
 #[pyclass(frozen, module = "pyfairing._core")]
-struct Surface {
+pub(crate) struct Surface {
     parametric: Box<dyn ParametricSurface + Send + Sync>,
     closed: Option<Box<dyn ClosedForms + Send + Sync>>,
     implicit: Option<Box<dyn ImplicitSurface + Send + Sync>>,
@@ -198,8 +198,4 @@ impl Surface {
             None => self.forms(u, v)?.iter().map(from_forms).collect(),
         })
     }
-}
-
-pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Surface>()
 }

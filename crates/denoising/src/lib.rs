@@ -12,11 +12,7 @@
 
 #[cfg_attr(
     not(feature = "training"),
-    expect(unreachable_pub, reason = "the feature makes the networks public")
-)]
-#[cfg_attr(
-    not(any(feature = "training", test)),
-    expect(dead_code, reason = "what only training needs")
+    expect(dead_code, unreachable_pub, reason = "the feature makes the networks public")
 )]
 mod automatic;
 mod bilateral;

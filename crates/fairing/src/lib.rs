@@ -9,6 +9,8 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
+#[cfg(feature = "task")]
+pub mod task;
 
 pub use error::{Error, ErrorKind};
 pub use fairing_denoising as denoising;

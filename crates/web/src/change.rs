@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use fairing_denoising::{Approach, Denoiser, automatic};
-use fairing_evaluation::{NoiseLevel, add_noise};
+use fairing::task;
+use fairing_denoising::{Denoiser, automatic};
+use fairing_evaluation::add_noise;
 use fairing_mesh::io::VertexFields;
 use fairing_mesh::{RepairOptions, Tolerance, TriMesh};
 use fairing_parameters::Options as _;
@@ -16,7 +17,7 @@ use crate::answer::Answer;
 use crate::meshes::{Held, Meshes};
 use crate::parts::{Computed, is_computed};
 use crate::request::Request;
-use crate::tasks::{NoiseOptions, NoiseUnit, RepairTask, SpectrumTask};
+use crate::tasks::{NoiseOptions, RepairTask, SpectrumTask};
 use crate::values;
 
 /// The flow `method` on `mesh`.
@@ -36,17 +37,12 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         return moved(meshes, request, denoiser.denoise(&*mesh)?, Value::Null);
     };
     let found = automatic(&*mesh, &options)?;
-    let report = json!({
-        "noise": found.noise.as_ref().map(serde_json::to_value).transpose()?,
-        "kind": found.kind.name(),
-        "approach": found.approach.map(Approach::name),
-        "expected_error": found.expected_error,
-        "undecided": found.undecided,
-        "flipped_faces": found.flipped_faces,
-        "spikes": found.spikes,
-        "uneven_vertices": found.uneven_vertices,
-        "displacement_limit": found.limit,
-    });
+    let mut report = task::denoise(&found);
+    // A page gets the whole estimate, and no statistics of the surface.
+    report["noise"] = serde_json::to_value(found.noise)?;
+    if let Some(entries) = report.as_object_mut() {
+        entries.retain(|name, _| !["area_fraction", "border_vertices"].contains(&&name[..]));
+    }
     moved(meshes, request, found.mesh, report)
 }
 
@@ -54,11 +50,7 @@ pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
 pub(crate) fn noise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let (kind, options) = NoiseOptions::of(request.text_or("method", "normal"), request)?;
     let mesh = meshes.held(request, "mesh")?.surface()?;
-    let level = match options.unit {
-        NoiseUnit::Edge => NoiseLevel::EdgeLengths(options.sigma),
-        NoiseUnit::Model => NoiseLevel::Model(options.sigma),
-        NoiseUnit::Diagonal => NoiseLevel::Diagonals(options.sigma),
-    };
+    let level = options.unit.level(options.sigma);
     let noisy = add_noise(&mesh, kind, level, options.seed.into())?;
     let report = json!({ "sigma": level.in_mesh_units(&mesh) });
     moved(meshes, request, noisy, report)
@@ -72,8 +64,7 @@ pub(crate) fn reconstruct(meshes: &mut Meshes, request: &Request<'_>) -> Result<
     let mesh = Arc::clone(&held.mesh);
     let rebuilt = spectral::reconstruct(&mesh, &modes, options.k)?;
     let errors = spectral::reconstruction_errors(&mesh, &modes)?;
-    let displacement = errors.get(options.k);
-    let report = json!({ "displacement": displacement, "split": values::split(rebuilt.split) });
+    let report = json!({ "displacement": errors.get(options.k), "split": rebuilt.split });
     moved(meshes, request, rebuilt.mesh, report)
 }
 
@@ -122,9 +113,10 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
     let all = (held.fields.clone(), held.computed.clone());
     let (own, dropped) = of_the_file(held);
     let options = RepairOptions {
-        tolerance: match task.tolerance > 0.0 {
-            true => Tolerance::EdgeLengths(task.tolerance),
-            false => Tolerance::Rounding,
+        tolerance: if task.tolerance > 0.0 {
+            Tolerance::EdgeLengths(task.tolerance)
+        } else {
+            Tolerance::Rounding
         },
         smallest_component: task.components,
         thin: task.thin,
@@ -139,17 +131,14 @@ pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
         let changes = repaired.changes.iter().filter(|(step, _)| step.is_note() == notes);
         changes.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect()
     };
-    let flat = flat.map(|error| error.to_string());
     let report = json!({
         "unchanged": repaired.is_unchanged(),
         "changes": counts(false),
         "left": counts(true),
-        "flat": flat,
+        "flat": flat.map(|error| error.to_string()),
     });
-    let ((fields, computed), dropped) = match repaired.is_unchanged() {
-        true => (all, vec![]),
-        false => ((own, Computed::new()), dropped),
-    };
+    let ((fields, computed), dropped) =
+        if repaired.is_unchanged() { (all, vec![]) } else { ((own, Computed::new()), dropped) };
     let fields = repaired.carried(&mesh, fields);
     Ok(kept(meshes, repaired.mesh, fields, computed, dropped, report))
 }

@@ -1,12 +1,13 @@
 //! Verbs that describe: `info` and `compare`.
 
 use anyhow::Result;
+use fairing::task;
 use fairing_evaluation::{ScoreOptions, Scores, drift, feature_edges, normal_error};
 use fairing_mesh::{Diagnosis, TriMesh};
 use fairing_operators::curvature::angle_defect;
 use fairing_parameters::Options as _;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::answer::Answer;
 use crate::meshes::{Meshes, names};
@@ -41,15 +42,7 @@ pub(crate) fn compare(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         return matching(&mesh, &reference, options.feature_angle);
     }
     let scores = Scores::new(&mesh, &reference, &options)?;
-    let entries = scores.entries().into_iter().map(|score| {
-        let (name, label, unit) = (score.name, score.label, score.unit.to_string());
-        match score.value {
-            Ok(value) => json!({ "name": name, "label": label, "unit": unit, "value": value }),
-            Err(reason) => json!({ "name": name, "label": label, "unit": unit, "reason": reason }),
-        }
-    });
-    let entries: Vec<Value> = entries.collect();
-    Ok(json!({ "diagonal": scores.diagonal, "scores": entries }).into())
+    Ok(task::scores(&scores).into())
 }
 
 fn matching(mesh: &TriMesh, reference: &TriMesh, feature_angle: f64) -> Result<Answer> {

@@ -1,11 +1,10 @@
 //! The tables of all tasks, from which a page makes its panels.
 
-use std::ops::{Bound, RangeBounds as _};
-
+use fairing::task::method;
 use fairing_denoising::Denoiser;
 use fairing_mesh::io::Format;
 use fairing_operators::curvature::Estimator;
-use fairing_parameters::{Algorithm, Family, Kind, Options, Parameter};
+use fairing_parameters::{Algorithm, Family, Options};
 use fairing_smoothing::Method;
 use serde_json::{Value, json};
 
@@ -46,46 +45,4 @@ fn entries<O: Options>() -> Vec<Algorithm> {
 fn task(methods: Vec<Algorithm>, default: &str) -> Value {
     let methods: Vec<Value> = methods.iter().map(method).collect();
     json!({ "default": default, "methods": methods })
-}
-
-fn method(algorithm: &Algorithm) -> Value {
-    let parameters: Vec<Value> = algorithm.parameters.iter().map(parameter).collect();
-    json!({
-        "name": algorithm.name,
-        "about": algorithm.description,
-        "sources": algorithm.sources,
-        "parameters": parameters,
-    })
-}
-
-fn parameter(parameter: &Parameter) -> Value {
-    let (kind, choices) = match parameter.kind {
-        Kind::Number => ("number", vec![]),
-        Kind::Count => ("count", vec![]),
-        Kind::Choice(choices) => {
-            let choice =
-                |c: &fairing_parameters::Choice| json!({ "name": c.name, "about": c.about });
-            ("choice", choices.iter().map(choice).collect())
-        }
-        Kind::Vertices => ("vertices", vec![]),
-        Kind::Weighted => ("weighted", vec![]),
-        _ => ("text", vec![]),
-    };
-    let end = |bound: Bound<&f64>| match bound {
-        Bound::Included(x) | Bound::Excluded(x) => Some(*x),
-        Bound::Unbounded => None,
-    };
-    json!({
-        "name": parameter.name,
-        "about": parameter.about,
-        "unit": parameter.unit,
-        "kind": kind,
-        "choices": choices,
-        "low": end(parameter.range.start_bound()),
-        "high": end(parameter.range.end_bound()),
-        "range": parameter.range.to_string(),
-        "default": parameter.default_text(),
-        "excludes": parameter.excludes,
-        "required": parameter.required,
-    })
 }

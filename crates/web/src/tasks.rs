@@ -1,6 +1,7 @@
 //! Parameters of tasks that are not families of algorithms.
 
 use anyhow::Result;
+use fairing::task::Unit;
 use fairing_evaluation::NoiseKind;
 use fairing_operators::LaplacianKind;
 use fairing_parameters::{Algorithm, Choice, Options, Range, Value, Values, choices, options};
@@ -85,23 +86,6 @@ options! {
     "compare": "distances, angles between normals, changes of volume and area", [];
 }
 
-/// The unit of the level of noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoiseUnit {
-    /// Mean edge lengths.
-    Edge,
-    /// Units of the file.
-    Model,
-    /// Diagonals of the bounding box.
-    Diagonal,
-}
-
-choices!(NoiseUnit, "unit of noise",
-    Edge: "edge", "mean edge lengths";
-    Model: "model", "units of the file";
-    Diagonal: "diagonal", "diagonals of the bounding box";
-);
-
 options! {
     /// Parameters of `noise`, whose methods are the kinds of noise.
     #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +93,7 @@ options! {
         /// The standard deviation of the displacement.
         pub sigma: f64 = 0.3, in Range::NOT_NEGATIVE;
         /// The unit of sigma.
-        pub unit: NoiseUnit = NoiseUnit::Edge;
+        pub unit: Unit = Unit::Edge;
         /// The fraction of vertices that are moved.
         pub fraction: f64 = 0.25, in Range::FRACTION;
         /// The distance at which the correlation has fallen to 1/e.

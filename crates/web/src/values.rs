@@ -1,16 +1,16 @@
 //! Verbs that compute values at vertices: `curvature`, `distance`, `spectrum` and `mode`.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
+use fairing::task::{fields, undefined_because};
 use fairing_mesh::TriMesh;
-use fairing_operators::curvature::{CurvatureField, Estimator, VertexStatus};
+use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::Options as _;
 use fairing_spectral::{self as spectral, HeatGeodesics, Spectrum, SpectrumOptions};
 use fairing_watch as watch;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::answer::{Answer, Array};
 use crate::meshes::{Held, Meshes};
@@ -25,44 +25,24 @@ pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<An
     let estimator = Estimator::with(name, &request.values()?)?;
     let held = meshes.held(request, "mesh")?;
     let field = estimator.estimate(&*held.surface()?)?;
-    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
-    for status in &field.status {
-        if let VertexStatus::Undefined(reason) = status {
-            *reasons.entry(reason.to_string()).or_default() += 1;
-        }
-    }
-    let (too_thin, narrowed) = (field.too_thin, field.narrowed);
-    let replaced = keep_curvature(held, field);
+    let replaced = keep_curvature(held, &field);
     let mut value = held.listed(&replaced);
     value["method"] = json!(estimator.name());
-    value["undefined_because"] = json!(reasons);
-    value["too_thin_face"] = json!(too_thin);
-    value["narrowed"] = json!(narrowed);
+    value["undefined_because"] = json!(undefined_because(&field));
+    value["too_thin_face"] = json!(field.too_thin);
+    value["narrowed"] = json!(field.narrowed);
     Ok(value.into())
 }
 
 /// Sets the fields of a curvature. Returns the names of those that replace fields of the file.
-fn keep_curvature(held: &mut Held, field: CurvatureField) -> Vec<&'static str> {
-    let flag = |flag: bool| f64::from(u8::from(flag));
-    let mut scalars = vec![
-        ("defined", field.status.iter().map(|s| flag(s.is_defined())).collect()),
-        ("boundary", field.boundary.iter().map(|&b| flag(b)).collect()),
-        ("mean", field.mean),
-        ("gaussian", field.gaussian),
-        ("kappa1", field.kappa1),
-        ("kappa2", field.kappa2),
-    ];
-    if let Some(found) = field.accuracy {
-        scalars.push(("mean_error", found.mean_error));
-        scalars.push(("gaussian_error", found.gaussian_error));
-        scalars.push(("scale", found.scale));
-    }
-    let mut replaced = vec![];
-    replaced.extend(scalars.into_iter().filter_map(|(name, x)| held.set(name, x).then_some(name)));
-    if let Some([first, second]) = field.directions {
-        let vectors = [("direction1", first), ("direction2", second)].into_iter();
-        replaced.extend(vectors.filter_map(|(name, x)| held.set_vectors(name, x).then_some(name)));
-    }
+fn keep_curvature(held: &mut Held, field: &CurvatureField) -> Vec<&'static str> {
+    let (mut scalars, vectors) = fields(field);
+    // Pages list the flags before the curvatures.
+    scalars.rotate_right(2);
+    let scalars = scalars.into_iter().filter_map(|(name, x)| held.set(name, x).then_some(name));
+    let mut replaced: Vec<_> = scalars.collect();
+    let vectors = vectors.into_iter();
+    replaced.extend(vectors.filter_map(|(name, x)| held.set_vectors(name, x).then_some(name)));
     replaced
 }
 
@@ -96,8 +76,7 @@ pub(crate) fn spectrum(meshes: &mut Meshes, request: &Request<'_>) -> Result<Ans
     let options = SpectrumTask::with("spectrum", &request.values()?)?.unwrap_or_default();
     let held = meshes.held(request, "mesh")?;
     let modes = modes(held, &options)?;
-    let split = modes.split(modes.len()).map(|s| json!({ "below": s.below, "above": s.above }));
-    let value = json!({ "certified": modes.certified, "split": split });
+    let value = json!({ "certified": modes.certified, "split": modes.split(modes.len()) });
     Ok(Answer::from(value)
         .with("values", Array::Numbers(modes.values.to_vec()))
         .with("residuals", Array::Numbers(modes.residuals.to_vec()))
@@ -147,9 +126,4 @@ pub(crate) fn modes(held: &mut Held, options: &SpectrumTask) -> Result<Arc<Spect
     let modes = Arc::new(spectral::spectrum(&laplacian, options.k, &conditions)?);
     held.spectrum = Some((key, Arc::clone(&modes)));
     Ok(modes)
-}
-
-/// Where k modes split a cluster, as JSON.
-pub(crate) fn split(split: Option<spectral::Split>) -> Value {
-    split.map_or(Value::Null, |s| json!({ "below": s.below, "above": s.above }))
 }

@@ -6,7 +6,8 @@ use clap::Args;
 use fairing::evaluation::{ScoreOptions, Scores, SurfaceTree};
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
-use serde_json::{Map, Value, json};
+use fairing::task;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
@@ -75,7 +76,7 @@ impl Compare {
     }
 
     fn one(&self, context: &Context, mesh: &Path, reference: &Path) -> Result<Value, Failure> {
-        let output = self.output.of(context, mesh, Content::Fields)?;
+        let output = self.output.if_given(context, mesh, Content::Fields)?;
         let read = |path: &Path| {
             let (surface, fields) = self.reading.read_any(context, path)?;
             surface.say_seams(context, path);
@@ -93,9 +94,7 @@ impl Compare {
             files::write_held(context, output, &mesh.own, &fields)?;
         }
         if self.summary.is_wanted() {
-            let mut summary = as_json(&scores);
-            mesh.add_to(&mut summary);
-            return Ok(summary);
+            return Ok(mesh.add_to(task::compare(&scores)));
         }
         context.print(scores)?;
         Ok(Value::Null)
@@ -104,27 +103,12 @@ impl Compare {
 
 /// The fields of a mesh, with the distances and the nearest points of the reference.
 fn with_closest(
-    mut fields: VertexFields,
+    fields: VertexFields,
     mesh: &TriMesh,
     reference: &TriMesh,
 ) -> Result<VertexFields, Failure> {
     let closest = SurfaceTree::new(reference)?.closest_to_all(mesh.positions());
-    fields.scalars.retain(|(name, _)| name != "distance");
-    fields.vectors.retain(|(name, _)| name != "closest");
     let distances = closest.iter().map(|closest| closest.distance).collect();
     let points = closest.iter().map(|closest| closest.point).collect();
-    Ok(fields.with_scalar("distance", distances).with_vector("closest", points))
-}
-
-fn as_json(scores: &Scores) -> Value {
-    let entries = scores.entries().into_iter().map(|score| {
-        let entry = match score.value {
-            Ok(value) => json!({ "value": value, "unit": score.unit.to_string() }),
-            Err(reason) => json!({ "value": null, "reason": reason }),
-        };
-        (score.name.to_owned(), entry)
-    });
-    let mut object = Map::from_iter([("diagonal".to_owned(), json!(scores.diagonal))]);
-    object.extend(entries);
-    Value::Object(object)
+    Ok(files::with_fields(fields, vec![("distance", distances)], vec![("closest", points)]))
 }

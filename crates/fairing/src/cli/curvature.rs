@@ -1,26 +1,22 @@
 //! `fairing curvature`.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use clap::Args;
 use fairing::mesh::TriMesh;
-use fairing::mesh::io::VertexFields;
-use fairing::operators::curvature::{
-    Accuracy, CurvatureField, Estimator, VertexStatus, laplacian_curvature,
-};
+use fairing::operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
 use fairing::parameters::Algorithm;
-use fairing::sparse::median;
-use serde_json::{Value, json};
+use fairing::task;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
 use super::inputs::{Inputs, Summary};
 use super::operator::{self, say_too_thin};
 use super::parameters::{Parameters, foreign, list, names};
-use super::surface::{Reading, Surface, say_orientation};
-use super::table::{Table, number};
+use super::surface::{Reading, say_orientation};
+use super::table::{Table, cell};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -97,63 +93,53 @@ impl Curvature {
         input: &Path,
         estimator: &Estimator,
     ) -> Result<Value, Failure> {
-        let output = self.output.of(context, input, Content::Fields)?;
+        let output = self.output.if_given(context, input, Content::Fields)?;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
         let field = self.estimate(estimator, surface.mesh())?;
         if let Some(output) = &output {
-            let fields = with_curvature(fields, &field, &surface);
+            let (scalars, vectors) = task::fields(&field);
+            let scalars = scalars.into_iter().map(|(name, x)| (name, surface.spread(x)));
+            let vectors = vectors.into_iter().map(|(name, x)| (name, surface.spread(x)));
+            let fields = files::with_fields(fields, scalars.collect(), vectors.collect());
             files::write_held(context, output, &surface.own, &fields)?;
         }
         if let Some(face) = field.too_thin {
             say_too_thin(context, face);
         }
-        let reasons = reasons(&field);
-        let undefined: usize = reasons.values().sum();
+        let report = task::curvature(estimator.name(), &field);
         if self.summary.is_wanted() {
-            let mut summary = json!({
-                "estimator": estimator.name(),
-                "vertices": field.len(),
-                "undefined": undefined,
-                "undefined_because": reasons,
-                "too_thin_face": field.too_thin,
-                "narrowed": field.narrowed,
-                "boundary": field.boundary.iter().filter(|&&b| b).count(),
-                "interior": summary(&field, &columns(&field)),
-                "accuracy": field.accuracy.as_ref().map(|found| summary(&field, &trust(found))),
-            });
-            surface.add_to(&mut summary);
-            return Ok(summary);
+            return Ok(surface.add_to(report));
         }
-        let mut table = Table::new();
-        table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
-        let trust = field.accuracy.as_ref().map(trust);
-        for (name, values) in columns(&field).into_iter().chain(trust.into_iter().flatten()) {
-            let spread = spread(&field, values).map(|s| s.map(number));
-            let [least, median, greatest] =
-                spread.unwrap_or_else(|| ["-", "-", "-"].map(str::to_owned));
-            table.row([name.to_owned(), least, median, greatest]);
-        }
-        context.print(table)?;
-        if field.narrowed > 0 {
-            context.note(format_args!(
-                "fewer rings or a lower degree at {} of {} vertices, where the neighbourhood turns \
-                 by more than 60°",
-                field.narrowed,
-                field.len()
-            ));
-        }
-        if undefined > 0 {
-            let reasons: Vec<String> =
-                reasons.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();
-            context.note(format_args!(
-                "undefined at {undefined} of {} vertices ({})",
-                field.len(),
-                reasons.join(", ")
-            ));
-        }
+        say(context, &field, &report)?;
         Ok(Value::Null)
     }
+}
+
+/// Prints ranges and medians, and notes vertices without a value.
+fn say(context: &Context, field: &CurvatureField, report: &Value) -> Result<(), Failure> {
+    let mut table = Table::new();
+    table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
+    let ranges = ["interior", "accuracy"].into_iter().filter_map(|part| report[part].as_object());
+    for (name, range) in ranges.flatten() {
+        let [least, median, greatest] = ["least", "median", "greatest"].map(|n| cell(&range[n]));
+        table.row([name.clone(), least, median, greatest]);
+    }
+    context.print(table)?;
+    let (vertices, narrowed, undefined) = (field.len(), field.narrowed, &report["undefined"]);
+    if narrowed > 0 {
+        context.note(format_args!(
+            "fewer rings or a lower degree at {narrowed} of {vertices} vertices, where the \
+             neighbourhood turns by more than 60°"
+        ));
+    }
+    if *undefined != 0 {
+        let reasons = task::undefined_because(field);
+        let reasons: Vec<String> = reasons.iter().map(|(why, n)| format!("{why}: {n}")).collect();
+        let reasons = reasons.join(", ");
+        context.note(format_args!("undefined at {undefined} of {vertices} vertices ({reasons})"));
+    }
+    Ok(())
 }
 
 impl Curvature {
@@ -199,77 +185,4 @@ impl Curvature {
         let laplacian = Laplacian::new(mesh, kind, self.mass(*estimator))?;
         Ok(laplacian_curvature(mesh, &laplacian)?)
     }
-}
-
-/// Why there is no value, and at how many vertices.
-fn reasons(field: &CurvatureField) -> BTreeMap<String, usize> {
-    let mut reasons = BTreeMap::new();
-    for status in &field.status {
-        if let VertexStatus::Undefined(reason) = status {
-            *reasons.entry(reason.to_string()).or_default() += 1;
-        }
-    }
-    reasons
-}
-
-fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {
-    [
-        ("mean", &field.mean),
-        ("gaussian", &field.gaussian),
-        ("kappa1", &field.kappa1),
-        ("kappa2", &field.kappa2),
-    ]
-}
-
-/// The standard errors and the radius that decided.
-fn trust(found: &Accuracy) -> [(&'static str, &[f64]); 3] {
-    [
-        ("mean_error", &found.mean_error),
-        ("gaussian_error", &found.gaussian_error),
-        ("scale", &found.scale),
-    ]
-}
-
-/// Minimum, median and maximum over the interior vertices.
-fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
-    let interior = (0..field.len() as u32).filter(|&v| field.is_interior(v));
-    let mut sorted: Vec<f64> = interior.map(|v| values[v as usize]).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    Some([*sorted.first()?, median(&sorted)?, *sorted.last()?])
-}
-
-fn summary(field: &CurvatureField, columns: &[(&str, &[f64])]) -> Value {
-    let entries = columns.iter().map(|&(name, values)| {
-        let spread = spread(field, values)
-            .map(|[least, median, greatest]| json!({ "least": least, "median": median, "greatest": greatest }));
-        (name.to_owned(), json!(spread))
-    });
-    Value::Object(entries.collect())
-}
-
-/// The fields of the file and those of the curvature, which replace fields of the same names.
-fn with_curvature(
-    mut fields: VertexFields,
-    field: &CurvatureField,
-    surface: &Surface,
-) -> VertexFields {
-    let flags = |flags: &mut dyn Iterator<Item = bool>| {
-        surface.spread(flags.map(|b| f64::from(u8::from(b))).collect())
-    };
-    let mut scalars: Vec<(&str, Vec<f64>)> =
-        columns(field).map(|(name, values)| (name, surface.spread(values.to_vec()))).into();
-    let trust = field.accuracy.as_ref().map(trust).into_iter().flatten();
-    scalars.extend(trust.map(|(name, values)| (name, surface.spread(values.to_vec()))));
-    scalars.push(("defined", flags(&mut field.status.iter().map(|s| s.is_defined()))));
-    scalars.push(("boundary", flags(&mut field.boundary.iter().copied())));
-    fields.scalars.retain(|(name, _)| scalars.iter().all(|(n, _)| n != name));
-    fields.scalars.extend(scalars.into_iter().map(|(name, values)| (name.to_owned(), values)));
-    if let Some([first, second]) = &field.directions {
-        let vectors = [("direction1", first), ("direction2", second)];
-        fields.vectors.retain(|(name, _)| vectors.iter().all(|(n, _)| n != name));
-        fields.vectors.extend(
-            vectors.map(|(name, values)| (name.to_owned(), surface.spread(values.clone()))),
-        );
-    }
-    fields
 }

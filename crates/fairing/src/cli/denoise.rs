@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use clap::Args;
-use fairing::denoising::{
-    Approach, Automatic, AutomaticOptions, Denoiser, FaceKind, Masked, SurfaceKind, automatic,
-};
+use fairing::denoising::{Automatic, AutomaticOptions, Denoiser, Masked, SurfaceKind, automatic};
 use fairing::mesh::io::VertexFields;
 use fairing::parameters::{Kind, Value as Given};
-use serde_json::{Map, Value, json};
+use fairing::task;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
@@ -105,53 +104,24 @@ impl Denoise {
 
     fn one(&self, context: &Context, input: &Path, denoiser: &Denoiser) -> Result<Value, Failure> {
         let output = self.output.of(context, input, Content::Mesh)?;
-        let mut json = Value::Null;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
         let fixed = self.fixed(context, input, &surface, &fields)?;
         let masked = Masked::new(surface.mesh(), &fixed).map_err(Failure::usage)?;
+        let mut summary = Value::Null;
         let mesh = match denoiser {
             Denoiser::Automatic(options) => {
-                let result = automatic(masked, options)?;
-                context.note(summary(&result));
-                if result.spikes > 0 {
-                    context.note(format_args!(
-                        "farther away than noise explains, and put on the surface around them \
-                         before anything else: {} of {} vertices; --pin holds vertices",
-                        result.spikes,
-                        result.mesh.vertex_count()
-                    ));
-                }
-                if result.uneven_vertices > 0 {
-                    context.note(format_args!(
-                        "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): \
-                         these parts stay as they are; --method guided-normal moves them, too",
-                        result.uneven_vertices
-                    ));
-                }
-                if result.undecided > 0.1 * result.noise.map_or(0.0, |noise| noise.sigma) {
-                    context.note(format_args!(
-                        "of this, {} may be relief as well as noise, and is kept; --strength 2 \
-                         removes it",
-                        number(result.undecided)
-                    ));
-                }
-                if result.flipped_faces > 0 {
-                    context.note(format_args!(
-                        "{} faces are turned against the surface around them",
-                        result.flipped_faces
-                    ));
-                }
+                let found = automatic(masked, options)?;
+                say(context, &found);
                 if self.summary.is_wanted() {
-                    json = as_json(&result);
-                    surface.add_to(&mut json);
+                    summary = surface.add_to(task::denoise(&found));
                 }
-                result.mesh
+                found.mesh
             }
             other => other.denoise(masked)?,
         };
-        let report = files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
-        Ok(files::with_split(json, &report))
+        let written = files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
+        Ok(files::with_split(summary, &written))
     }
 
     /// A flag for each vertex computed on, true for those that do not move.
@@ -182,12 +152,44 @@ impl Denoise {
     }
 }
 
+/// Notes what was found, and what was left as it was.
+fn say(context: &Context, found: &Automatic) {
+    context.note(summary(found));
+    if found.spikes > 0 {
+        context.note(format_args!(
+            "farther away than noise explains, and put on the surface around them before anything \
+             else: {} of {} vertices; --pin holds vertices",
+            found.spikes,
+            found.mesh.vertex_count()
+        ));
+    }
+    if found.uneven_vertices > 0 {
+        context.note(format_args!(
+            "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): these parts \
+             stay as they are; --method guided-normal moves them, too",
+            found.uneven_vertices
+        ));
+    }
+    if found.undecided > 0.1 * found.noise.map_or(0.0, |noise| noise.sigma) {
+        context.note(format_args!(
+            "of this, {} may be relief as well as noise, and is kept; --strength 2 removes it",
+            number(found.undecided)
+        ));
+    }
+    if found.flipped_faces > 0 {
+        context.note(format_args!(
+            "{} faces are turned against the surface around them",
+            found.flipped_faces
+        ));
+    }
+}
+
 /// One line about the noise and the kind of surface.
-fn summary(result: &Automatic) -> String {
-    let Some(noise) = result.noise else {
+fn summary(found: &Automatic) -> String {
+    let Some(noise) = found.noise else {
         return "too few vertices to measure noise; nothing is moved".into();
     };
-    let kind = match result.kind {
+    let kind = match found.kind {
         SurfaceKind::Creased => "a surface with creases",
         SurfaceKind::Smooth => "a surface without creases",
         SurfaceKind::Uneven => "nothing is moved",
@@ -199,40 +201,8 @@ fn summary(result: &Automatic) -> String {
         }
         _ => String::new(),
     };
-    let expected = result
+    let expected = found
         .expected_error
         .map_or(String::new(), |error| format!("; expected mean error of normals {error:.1}°"));
     format!("noise of {} in units of the file{correlated}; {kind}{expected}", number(noise.sigma))
-}
-
-/// The noise and the kind of surface as JSON.
-fn as_json(result: &Automatic) -> Value {
-    let shares: Map<String, Value> = (FaceKind::ALL.iter())
-        .map(|&kind| (kind.name().to_owned(), json!(result.fraction(kind))))
-        .collect();
-    let topology = result.mesh.topology();
-    let border =
-        (0..result.mesh.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).count();
-    json!({
-        "noise": result.noise.map(|noise| json!({
-            "sigma": noise.sigma,
-            "tail_ratio": noise.tail_ratio,
-            "low_ratio": noise.low_ratio,
-            "two_ring_ratio": noise.two_ring_ratio,
-            "correlation": noise.correlation,
-            "correlation_length": noise.correlation_length,
-            "wide_sigma": noise.wide_sigma,
-            "impulsive": noise.is_impulsive(),
-        })),
-        "kind": result.kind.name(),
-        "approach": result.approach.map(Approach::name),
-        "expected_error": result.expected_error,
-        "undecided": result.undecided,
-        "flipped_faces": result.flipped_faces,
-        "area_fraction": shares,
-        "spikes": result.spikes,
-        "uneven_vertices": result.uneven_vertices,
-        "border_vertices": border,
-        "displacement_limit": result.limit,
-    })
 }

@@ -14,29 +14,20 @@ use serde_json::Value;
 
 use super::context::{Context, Failure, STDIN, STDOUT};
 use super::inputs::{check_distinct, output_for};
-use super::memory;
 
-/// The output of a verb.
+/// The output of a verb, required or not.
 #[derive(Args)]
-pub(crate) struct Output {
+pub(crate) struct Output<const REQUIRED: bool = true> {
     /// Output file; {stem} in it is replaced by the input's name without folder and extension; - is
     /// standard output
-    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = REQUIRED)]
     path: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) overwrite: Overwrite,
 }
 
 /// The output of a verb that can do without.
-#[derive(Args)]
-pub(crate) struct OptionalOutput {
-    /// The file to write, if any; of several inputs, {stem} in it is the name of each without
-    /// folder and extension; - is the standard output
-    #[arg(short = 'o', long = "output", value_name = "FILE")]
-    path: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) overwrite: Overwrite,
-}
+pub(crate) type OptionalOutput = Output<false>;
 
 /// Permission to replace an existing file.
 #[derive(Args)]
@@ -64,15 +55,17 @@ pub(crate) enum Content {
 impl Content {
     /// Refuses a file extension that does not match, or the format of the standard output.
     fn check(self, path: &Path, stream: Option<Format>) -> Result<(), String> {
-        let format = match is_stream(path) {
-            true if matches!(self, Self::Lines | Self::Png | Self::Npz) => return Ok(()),
-            true => Some(stream.ok_or("name the format of the standard output: --to")?),
-            false => Format::from_path(path).map(|named| named.format),
+        let format = if !is_stream(path) {
+            Format::from_path(path).map(|named| named.format)
+        } else if matches!(self, Self::Lines | Self::Png | Self::Npz) {
+            return Ok(());
+        } else {
+            Some(stream.ok_or("name the format of the standard output: --to")?)
         };
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        let is = |wanted: &str| match extension.as_deref() == Some(wanted) {
-            true => Ok(()),
-            false => Err(format!("the file extension must be .{wanted}")),
+        let is = |wanted: &str| {
+            let found = extension.as_deref() == Some(wanted);
+            found.then_some(()).ok_or_else(|| format!("the file extension must be .{wanted}"))
         };
         match (self, format) {
             (Self::Lines, _) => is("obj"),
@@ -119,28 +112,7 @@ impl Overwrite {
     }
 }
 
-impl Output {
-    /// Refuses a pattern that gives two inputs the same output.
-    pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
-        check_distinct(self.path.as_deref(), inputs)
-    }
-
-    /// The output of an input. Fails if it cannot be written.
-    pub(crate) fn of(
-        &self,
-        context: &Context,
-        input: &Path,
-        content: Content,
-    ) -> Result<PathBuf, Failure> {
-        // Required, unless an option is given that stands alone.
-        let pattern = self.path.as_deref().ok_or_else(|| Failure::usage("missing --output"))?;
-        let path = output_for(pattern, input);
-        self.overwrite.check(context, &path, content)?;
-        Ok(path)
-    }
-}
-
-impl OptionalOutput {
+impl<const REQUIRED: bool> Output<REQUIRED> {
     /// Refuses a pattern that gives two inputs the same output, and `--force` without one.
     pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         if self.path.is_none() && self.overwrite.force {
@@ -155,7 +127,7 @@ impl OptionalOutput {
     }
 
     /// The output of an input, if any. Fails if it cannot be written.
-    pub(crate) fn of(
+    pub(crate) fn if_given(
         &self,
         context: &Context,
         input: &Path,
@@ -165,6 +137,20 @@ impl OptionalOutput {
         let path = output_for(pattern, input);
         self.overwrite.check(context, &path, content)?;
         Ok(Some(path))
+    }
+}
+
+impl Output {
+    /// The output of an input. Fails if it cannot be written.
+    pub(crate) fn of(
+        &self,
+        context: &Context,
+        input: &Path,
+        content: Content,
+    ) -> Result<PathBuf, Failure> {
+        // Required, unless an option is given that stands alone.
+        let path = self.if_given(context, input, content)?;
+        path.ok_or_else(|| Failure::usage("missing --output"))
     }
 }
 
@@ -190,7 +176,6 @@ pub(crate) fn read_with(
         reader.read(path)
     };
     let file = file.map_err(unreadable)?;
-    memory::require_for_mesh(file.mesh.vertex_count())?;
     watch::stage("preparing", 0);
     Ok(file)
 }
@@ -216,23 +201,13 @@ fn in_stdin(mut error: ReadError) -> ReadError {
 
 /// The reader of all verbs.
 pub(crate) fn reading(context: &Context) -> Reader {
-    let mut reader =
-        if context.drop_broken { Reader::dropping_broken() } else { Reader::default() };
-    if let Some(bytes) = memory::largest_file() {
-        reader.max_bytes = bytes;
-    }
-    reader
+    if context.drop_broken { Reader::dropping_broken() } else { Reader::default() }
 }
 
 /// The failure to read a file, with the option that would read it if there is one.
 pub(crate) fn unreadable(error: ReadError) -> Failure {
-    use ReadProblem::{IndexOutOfRange, NonFinite, TooLong};
+    use ReadProblem::{IndexOutOfRange, NonFinite};
     match error.problem {
-        TooLong { limit } => Failure::input(anyhow::anyhow!(
-            "{}: the mesh does not fit into memory, which is left for files of up to {} MB",
-            error.file.display(),
-            limit / 1_000_000
-        )),
         NonFinite { .. } | IndexOutOfRange { .. } => Failure::input(anyhow::anyhow!(
             "{error}; --drop-broken leaves out faces with such vertices"
         )),
@@ -288,11 +263,25 @@ pub(crate) fn with_split(mut summary: Value, report: &WriteReport) -> Value {
     summary
 }
 
+/// The fields with others, which replace those of the same names.
+pub(crate) fn with_fields(
+    mut fields: VertexFields,
+    scalars: Vec<(&str, Vec<f64>)>,
+    vectors: Vec<(&str, Vec<[f64; 3]>)>,
+) -> VertexFields {
+    fields.scalars.retain(|(name, _)| scalars.iter().all(|(n, _)| n != name));
+    fields.vectors.retain(|(name, _)| vectors.iter().all(|(n, _)| n != name));
+    fields.scalars.extend(scalars.into_iter().map(|(name, values)| (name.to_owned(), values)));
+    fields.vectors.extend(vectors.into_iter().map(|(name, values)| (name.to_owned(), values)));
+    fields
+}
+
 /// Writes bytes, whole or not at all.
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let written = match is_stream(path) {
-        true => stdout().lock().write_all(bytes),
-        false => io::write_whole(path, |file| file.write_all(bytes)),
+    let written = if is_stream(path) {
+        stdout().lock().write_all(bytes)
+    } else {
+        io::write_whole(path, |file| file.write_all(bytes))
     };
     let name = if is_stream(path) { STDOUT.into() } else { path.display().to_string() };
     written.map_err(|error| Failure::output(anyhow::Error::new(error).context(name)))

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::evaluation::SurfaceTree;
-use fairing::mesh::TriMesh;
 use fairing::mesh::io::Format;
 use fairing::spectral::{
     GeodesicPath, HeatGeodesics, Isoline, SurfacePoint, geodesic_path, isolines,
@@ -18,7 +17,7 @@ use super::files::{self, Content, OptionalOutput};
 use super::formats::{INPUT_FORMAT, formats};
 use super::inputs::{Inputs, Summary, check_distinct, output_for};
 use super::surface::{Reading, Surface};
-use super::table::{Table, number};
+use super::table::{Table, cell, number};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,12 +115,12 @@ impl Geodesic {
     }
 
     fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
-        let output = self.output.of(context, input, Content::Fields)?;
+        let output = self.output.if_given(context, input, Content::Fields)?;
         let lines_file = self.lines.as_deref().map(|pattern| output_for(pattern, input));
         if let Some(path) = &lines_file {
             self.output.overwrite.check(context, path, Content::Lines)?;
         }
-        let (surface, mut fields) = self.reading.read(context, input)?;
+        let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
         let sources = self.sources(&surface)?;
         let distance = HeatGeodesics::new(mesh)?.distance_from(&sources)?;
@@ -133,15 +132,14 @@ impl Geodesic {
             let values = surface.spread(distance.iter().map(|d| d.unwrap_or(0.0)).collect());
             let defined: Vec<f64> =
                 distance.iter().map(|d| f64::from(u8::from(d.is_some()))).collect();
-            let own = [("distance", values), ("defined", surface.spread(defined))];
-            fields.scalars.retain(|(name, _)| own.iter().all(|(n, _)| n != name));
-            fields.scalars.extend(own.map(|(name, values)| (name.to_owned(), values)));
+            let own = vec![("distance", values), ("defined", surface.spread(defined))];
+            let fields = files::with_fields(fields, own, vec![]);
             files::write_held(context, output, &surface.own, &fields)?;
         }
         self.say(context, &surface, &sources, &lines);
         let summary = summary(&surface, &sources, &distance, &lines);
         if self.summary.is_wanted() {
-            return Ok(summary);
+            return Ok(surface.add_to(summary));
         }
         context.print(table(&summary))?;
         Ok(Value::Null)
@@ -151,10 +149,7 @@ impl Geodesic {
     fn sources(&self, surface: &Surface) -> Result<Vec<SurfacePoint>, Failure> {
         let mesh = surface.mesh();
         let needs_tree = self.from.iter().any(|source| matches!(source, Source::Point(_)));
-        let tree = match needs_tree {
-            true => Some(SurfaceTree::new(mesh)?),
-            false => None,
-        };
+        let tree = if needs_tree { Some(SurfaceTree::new(mesh)?) } else { None };
         let place = |source: &Source| match (*source, &tree) {
             (Source::Point(point), Some(tree)) => {
                 let closest = tree.closest(point);
@@ -240,7 +235,7 @@ fn summary(
     distance: &[Option<f64>],
     lines: &Lines,
 ) -> Value {
-    let mesh: &TriMesh = surface.mesh();
+    let mesh = surface.mesh();
     let paths = lines.paths.iter().map(|(start, path)| {
         json!({
             "from": start,
@@ -253,7 +248,7 @@ fn summary(
         let total: f64 = pieces.iter().map(Isoline::length).sum();
         json!({ "distance": level, "length": total, "pieces": pieces.len() })
     });
-    let mut summary = json!({
+    json!({
         "sources": sources.iter().map(|source| source.position(mesh)).collect::<Vec<_>>(),
         "vertices": distance.len(),
         "unreached": distance.iter().filter(|d| d.is_none()).count(),
@@ -262,27 +257,20 @@ fn summary(
         }),
         "paths": paths.collect::<Vec<_>>(),
         "isolines": isolines.collect::<Vec<_>>(),
-    });
-    surface.add_to(&mut summary);
-    summary
+    })
 }
 
 fn table(summary: &Value) -> Table {
-    let text = |value: &Value| match value.as_f64() {
-        Some(x) if value.is_f64() => number(x),
-        _ if value.is_null() => "-".to_owned(),
-        _ => value.to_string(),
-    };
     let mut table = Table::new();
-    table.row(["vertices".into(), text(&summary["vertices"])]);
-    table.row(["unreached".into(), text(&summary["unreached"])]);
-    table.row(["largest distance".into(), text(&summary["farthest"]["distance"])]);
-    table.row(["at vertex".into(), text(&summary["farthest"]["vertex"])]);
+    table.row(["vertices".into(), cell(&summary["vertices"])]);
+    table.row(["unreached".into(), cell(&summary["unreached"])]);
+    table.row(["largest distance".into(), cell(&summary["farthest"]["distance"])]);
+    table.row(["at vertex".into(), cell(&summary["farthest"]["vertex"])]);
     for path in summary["paths"].as_array().into_iter().flatten() {
-        table.row([format!("path from {}", path["from"]), text(&path["length"])]);
+        table.row([format!("path from {}", path["from"]), cell(&path["length"])]);
     }
     for line in summary["isolines"].as_array().into_iter().flatten() {
-        table.row([format!("isoline {}", text(&line["distance"])), text(&line["length"])]);
+        table.row([format!("isoline {}", cell(&line["distance"])), cell(&line["length"])]);
     }
     table
 }

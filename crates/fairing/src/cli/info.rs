@@ -5,7 +5,8 @@ use std::path::Path;
 use clap::Args;
 use fairing::mesh::io::{MeshFile, ReadReport, VertexFields};
 use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
-use serde_json::{Value, json};
+use fairing::task;
+use serde_json::{Map, Value};
 
 use super::context::{Context, Failure};
 use super::files;
@@ -51,16 +52,13 @@ impl Info {
         let [of_vertices, of_faces] = names(&fields);
         let textured = fields.faces.texture.is_some();
         if self.summary.is_wanted() {
-            let mut json = as_json(&mesh, &diagnosis, &report);
-            if diagnosis.faces == 0 {
-                OF_FACES.iter().for_each(|&name| json[name] = Value::Null);
-            }
-            json["fields"] = json!(of_vertices);
-            json["face_fields"] = json!(of_faces);
-            json["texture_coordinates"] = json!(textured);
-            json["hints"] = json!(hints);
-            json["repair"] = json!(command);
-            return Ok(json);
+            let mut json = entries(&mesh, &diagnosis, &report);
+            json.insert("fields".into(), of_vertices.into());
+            json.insert("face_fields".into(), of_faces.into());
+            json.insert("texture_coordinates".into(), textured.into());
+            json.insert("hints".into(), hints.into());
+            json.insert("repair".into(), command.into());
+            return Ok(json.into());
         }
         let mut text = format!("{}\n", report);
         text += &as_table(&mesh, &diagnosis).to_string();
@@ -83,32 +81,8 @@ impl Info {
     }
 }
 
-/// Measures that points do not have.
-const OF_FACES: [&str; 23] = [
-    "edges",
-    "components",
-    "boundary_loops",
-    "euler_characteristic",
-    "genus",
-    "manifold",
-    "closed",
-    "orientable",
-    "isolated_vertices",
-    "degenerate_faces",
-    "sliver_faces",
-    "duplicate_faces",
-    "nonmanifold_edges",
-    "nonmanifold_vertices",
-    "inconsistent_edges",
-    "turned_faces",
-    "seam_vertices",
-    "rounded_vertices",
-    "area",
-    "volume",
-    "shortest_edge",
-    "mean_edge",
-    "longest_edge",
-];
+/// The entries of a diagnosis that points have, too.
+const OF_POINTS: [&str; 4] = ["vertices", "faces", "duplicate_positions", "bounding_box"];
 
 /// The names of the fields of vertices and of faces.
 fn names(fields: &VertexFields) -> [Vec<&str>; 2] {
@@ -122,48 +96,20 @@ fn names(fields: &VertexFields) -> [Vec<&str>; 2] {
     [of_vertices, of_faces]
 }
 
-fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport) -> Value {
-    json!({
-        "format": report.format.to_string(),
-        "vertices": d.vertices,
-        "faces": mesh.polygon_count(),
-        "triangles": d.faces,
-        "edges": mesh.edge_count(),
-        "components": d.components,
-        "boundary_loops": d.boundary_loops,
-        "euler_characteristic": d.euler_characteristic,
-        "genus": d.genus,
-        "manifold": d.manifold,
-        "closed": d.closed,
-        "orientable": d.orientable,
-        "isolated_vertices": d.isolated_vertices.count,
-        "degenerate_faces": d.degenerate_faces.count,
-        "sliver_faces": d.sliver_faces.count,
-        "duplicate_faces": d.duplicate_faces.count,
-        "duplicate_positions": d.duplicate_positions.count,
-        "nonmanifold_edges": d.nonmanifold_edges.count,
-        "nonmanifold_vertices": d.nonmanifold_vertices.count,
-        "inconsistent_edges": d.inconsistent_edges.count,
-        "turned_faces": d.turned_faces.count,
-        "seam_vertices": d.seam_vertices,
-        "rounded_vertices": d.rounded_vertices.count,
-        "bounding_box": d.bounding_box,
-        "area": d.area,
-        "volume": d.volume,
-        "shortest_edge": d.shortest_edge,
-        "mean_edge": d.mean_edge,
-        "longest_edge": d.longest_edge,
-        "file": {
-            "compressed": report.compressed,
-            "faces": report.file_faces,
-            "polygons": report.polygons,
-            "reduced_faces": report.reduced,
-            "left_out_faces": report.left_out,
-            "broken_vertices": report.broken_vertices,
-            "broken_faces": report.broken_faces,
-            "notes": report.notes,
-        },
-    })
+/// The format, the counts and measures, and the file.
+fn entries(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport) -> Map<String, Value> {
+    let mut entries = task::diagnosis(d);
+    if d.faces == 0 {
+        let of_faces = entries.iter_mut().filter(|(name, _)| !OF_POINTS.contains(&&name[..]));
+        of_faces.for_each(|(_, value)| *value = Value::Null);
+    } else {
+        entries.insert("edges".to_owned(), mesh.edge_count().into());
+    }
+    entries.insert("faces".to_owned(), mesh.polygon_count().into());
+    entries.shift_insert(2, "triangles".to_owned(), d.faces.into());
+    entries.shift_insert(0, "format".to_owned(), report.format.to_string().into());
+    entries.insert("file".to_owned(), task::file(report));
+    entries
 }
 
 fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {

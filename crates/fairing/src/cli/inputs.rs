@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, ValueEnum};
 use fairing::watch;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::context::{Context, Failure};
-use super::table::{ERROR, Table, number};
+use super::table::{ERROR, Table, cell};
 
 /// The inputs of a verb.
 #[derive(Args)]
@@ -108,6 +108,37 @@ pub(crate) fn each(
             Summary { .. } => Ok(()),
         };
     }
+    let results = on_each(context, inputs, jobs, run);
+    watch::check();
+    let (mut table, mut failures) = (vec![], vec![]);
+    for (input, result) in inputs.iter().zip(results) {
+        let value = result.unwrap_or_else(|failure| {
+            let text = failure.to_string();
+            let prefix = format!("{}: ", input.display());
+            let error = (ERROR.to_owned(), text.strip_prefix(&prefix).unwrap_or(&text).into());
+            failures.push(failure);
+            Value::Object(Map::from_iter([error]))
+        });
+        table.push(with_file(input, value));
+    }
+    if summary.is_wanted() {
+        let format = summary.table.unwrap_or(TableFormat::Json);
+        context.print(rows(format, columns, &table))?;
+    }
+    match failures.first() {
+        None => Ok(()),
+        Some(first) => Err(first.among(failures.len(), inputs.len())),
+    }
+}
+
+/// Runs a verb on several inputs, some at a time. Results are in the order of the inputs; those
+/// after a cancellation are missing.
+fn on_each(
+    context: &Context,
+    inputs: &[&Path],
+    jobs: &Jobs,
+    run: impl Fn(&Context, &Path) -> Result<Value, Failure> + Sync,
+) -> Vec<Result<Value, Failure>> {
     let results: Vec<Mutex<Option<Result<Value, Failure>>>> =
         inputs.iter().map(|_| Mutex::new(None)).collect();
     let next = AtomicUsize::new(0);
@@ -130,32 +161,12 @@ pub(crate) fn each(
     let workers = usize::from(jobs.jobs).min(inputs.len());
     std::thread::scope(|scope| {
         for _ in 1..workers {
-            // A cancelled worker ends in silence; the check below ends the verb.
+            // A cancelled worker prints nothing; the check after the work ends the verb.
             scope.spawn(|| context.watch.run(work).ok());
         }
         work();
     });
-    watch::check();
-    let results = results.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
-    let (mut table, mut failures) = (vec![], vec![]);
-    for (input, result) in inputs.iter().zip(results) {
-        let value = result.unwrap_or_else(|failure| {
-            let text = failure.to_string();
-            let prefix = format!("{}: ", input.display());
-            let value = json!({ ERROR: text.strip_prefix(&prefix).unwrap_or(&text) });
-            failures.push(failure);
-            value
-        });
-        table.push(with_file(input, value));
-    }
-    if summary.is_wanted() {
-        let format = summary.table.unwrap_or(TableFormat::Json);
-        context.print(rows(format, columns, &table))?;
-    }
-    match failures.first() {
-        None => Ok(()),
-        Some(first) => Err(first.among(failures.len(), inputs.len())),
-    }
+    results.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
 /// The summary of a file, with its name first and its error, if any, last.
@@ -194,30 +205,26 @@ fn rows(format: TableFormat, columns: &[&str], rows: &[Map<String, Value>]) -> S
     if flat.iter().flatten().any(|(name, _)| name == ERROR) {
         names.push(ERROR);
     }
-    let cell = |row: &[(String, Value)], name: &str| {
+    let text = |row: &[(String, Value)], name: &str| {
         let value = row.iter().find(|(n, _)| n == name).map(|(_, value)| value);
         match (format, value.unwrap_or(&Value::Null)) {
-            (TableFormat::Text, Value::Null) => "-".to_owned(),
+            (TableFormat::Text, value) => cell(value),
             (_, Value::Null) => String::new(),
-            (TableFormat::Text, Value::Bool(flag)) => if *flag { "yes" } else { "no" }.to_owned(),
-            (TableFormat::Text, Value::Number(x)) if x.is_f64() => {
-                number(x.as_f64().unwrap_or_default())
-            }
             (_, Value::String(text)) => text.clone(),
             (_, other) => other.to_string(),
         }
     };
     let header = names.iter().map(|name| (*name).to_owned()).collect();
-    let body = flat.iter().map(|row| names.iter().map(|name| cell(row, name)).collect());
+    let body = flat.iter().map(|row| names.iter().map(|name| text(row, name)).collect());
     let lines: Vec<Vec<String>> = std::iter::once(header).chain(body).collect();
     if format == TableFormat::Text {
         let mut table = Table::new();
         lines.into_iter().for_each(|line| table.row(line));
         return table.to_string();
     }
-    let quoted = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.clone(),
+    let quoted = |cell: &String| {
+        let quotes = cell.contains([',', '"', '\n', '\r']);
+        if quotes { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.clone() }
     };
     let line = |line: &Vec<String>| line.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n";
     lines.iter().map(line).collect()
@@ -240,9 +247,10 @@ fn flatten(name: String, value: &Value, cells: &mut Vec<(String, Value)>) {
 /// The path of an output: `{stem}` in it stands for the name of the input without folder and
 /// extension.
 pub(crate) fn output_for(pattern: &Path, input: &Path) -> PathBuf {
-    let name = match input == Path::new("-") {
-        true => "stdin".into(),
-        false => input.file_name().unwrap_or_default().to_string_lossy(),
+    let name = if input == Path::new("-") {
+        "stdin".into()
+    } else {
+        input.file_name().unwrap_or_default().to_string_lossy()
     };
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
@@ -273,6 +281,8 @@ pub(crate) fn check_distinct(pattern: Option<&Path>, inputs: &[PathBuf]) -> Resu
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]

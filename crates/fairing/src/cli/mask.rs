@@ -70,8 +70,9 @@ fn values_of<'a>(fields: &'a VertexFields, name: &str) -> Result<&'a [f64], Fail
 /// The failure for a field that the file does not have, with those that it has.
 pub(crate) fn unknown<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Failure {
     let known: Vec<&str> = known.collect();
-    Failure::usage(match known.is_empty() {
-        true => format!("there is no field {name}: the file has no such vertex properties"),
-        false => format!("there is no field {name}; the file has {}", known.join(", ")),
+    Failure::usage(if known.is_empty() {
+        format!("there is no field {name}: the file has no such vertex properties")
+    } else {
+        format!("there is no field {name}; the file has {}", known.join(", "))
     })
 }

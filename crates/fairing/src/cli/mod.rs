@@ -15,7 +15,6 @@ mod geodesic;
 mod info;
 mod inputs;
 mod mask;
-mod memory;
 mod noise;
 mod operator;
 mod parameters;

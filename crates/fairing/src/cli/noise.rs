@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
-use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing::evaluation::{NoiseKind, add_noise};
+use fairing::task::{Unit, noise_kind};
 use serde_json::Value;
 
 use super::context::{Context, Failure};
@@ -40,7 +41,7 @@ pub(crate) struct Noise {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: f64,
     /// The unit of sigma
-    #[arg(long, value_enum, default_value = "edge")]
+    #[arg(long, value_name = "UNIT", value_parser = units(), default_value = "edge")]
     unit: Unit,
     #[command(flatten)]
     kind: Kind,
@@ -70,28 +71,17 @@ pub(crate) struct Kind {
 
 impl Kind {
     /// The kind with the parameters that are given; `default` names it if it is not given.
-    pub(crate) fn or(&self, default: &str) -> Result<NoiseKind, Failure> {
-        let mut kind = match self.kind {
-            Some(kind) => kind,
-            None => default.parse()?,
-        };
-        if let Some(fraction) = self.fraction {
-            kind = kind.with_fraction(fraction).ok_or_else(|| refused(kind, "--fraction"))?;
-        }
-        if let Some(length) = self.length {
-            kind = kind.with_length(length).ok_or_else(|| refused(kind, "--length"))?;
-        }
-        Ok(kind)
+    pub(crate) fn or(&self, default: &str, camera: Option<Point>) -> Result<NoiseKind, Failure> {
+        let kind = self.kind.map_or_else(|| default.parse(), Ok)?;
+        let camera = camera.map(|Point(camera)| camera);
+        let refused = |option| Failure::usage(format_args!("{kind} noise has no --{option}"));
+        noise_kind(kind, self.fraction, self.length, camera).map_err(refused)
     }
 
     /// Returns true if any is given.
     pub(crate) fn is_given(&self) -> bool {
         self.kind.is_some() || self.fraction.is_some() || self.length.is_some()
     }
-}
-
-fn refused(kind: NoiseKind, option: &str) -> Failure {
-    Failure::usage(format_args!("{kind} noise has no {option}"))
 }
 
 /// A point written as `X,Y,Z`.
@@ -105,24 +95,10 @@ pub(crate) fn point(text: &str) -> Result<Point, String> {
     point.map(Point).ok_or_else(|| "must be three numbers: X,Y,Z".to_owned())
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum Unit {
-    /// Mean edge lengths
-    Edge,
-    /// Units of the file
-    Model,
-    /// Diagonals of the bounding box
-    Diagonal,
-}
-
-impl Unit {
-    pub(crate) fn level(self, sigma: f64) -> NoiseLevel {
-        match self {
-            Self::Edge => NoiseLevel::EdgeLengths(sigma),
-            Self::Model => NoiseLevel::Model(sigma),
-            Self::Diagonal => NoiseLevel::Diagonals(sigma),
-        }
-    }
+/// The parser of `--unit`.
+pub(crate) fn units() -> impl TypedValueParser<Value = Unit> {
+    let names = Unit::CHOICES.iter().map(|unit| PossibleValue::new(unit.name).help(unit.about));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Unit>())
 }
 
 fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
@@ -140,21 +116,16 @@ impl Noise {
 
     fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
         let output = self.output.of(context, input, Content::Mesh)?;
-        let mut kind = self.kind.or("normal")?;
-        if let Some(Point(camera)) = self.camera {
-            kind = kind.with_camera(camera).ok_or_else(|| refused(kind, "--camera"))?;
-        }
+        let kind = self.kind.or("normal", self.camera)?;
         let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
         say_orientation(context, input, mesh);
-        let level = self.unit.level(self.sigma);
         let selected = self.mask.of(context, input, &surface, &fields)?;
+        let level = self.unit.level(self.sigma);
         let noisy = add_noise(mesh, kind, level, self.seed)?;
         let noisy = keep_others(mesh, noisy, selected.as_deref())?;
-        context.note(format_args!(
-            "sigma = {} in units of the file",
-            number(level.in_mesh_units(mesh))
-        ));
+        let sigma = number(level.in_mesh_units(mesh));
+        context.note(format_args!("sigma = {sigma} in units of the file"));
         files::write_moved(context, &output, &surface.own(noisy)?, fields).map(drop)
     }
 }

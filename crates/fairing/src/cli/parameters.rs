@@ -121,10 +121,8 @@ fn help(same: &Shared) -> (String, String) {
             unit => format!("{}, in {unit}", parameter.about),
         };
         let plain = [Range::FINITE, Range::POSITIVE, Range::NOT_NEGATIVE];
-        let about = match plain.contains(&parameter.range) {
-            true => about,
-            false => format!("{about}, {}", parameter.range),
-        };
+        let is_plain = plain.contains(&parameter.range);
+        let about = if is_plain { about } else { format!("{about}, {}", parameter.range) };
         let taker = match &parameter.default {
             Some(default) if !alone => format!("{algorithm} ({default})"),
             _ => (*algorithm).to_owned(),

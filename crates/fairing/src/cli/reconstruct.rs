@@ -10,7 +10,6 @@ use serde_json::Value;
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
-use super::memory;
 use super::operator;
 use super::spectrum;
 use super::surface::Reading;
@@ -60,7 +59,6 @@ impl Reconstruct {
         let mesh = surface.mesh();
         let laplacian = operator::assemble(context, mesh, self.operator, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
-        memory::require_for_modes(mesh.vertex_count(), self.k)?;
         let modes = fairing::spectral::spectrum(&laplacian, self.k, &options)?;
         spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
         let rebuilt = reconstruct(mesh, &modes, self.k)?.mesh;

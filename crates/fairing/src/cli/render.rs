@@ -126,10 +126,7 @@ impl Render {
                 ShadingKind::Flat => Shading::Flat,
             },
             wireframe: self.wireframe.then(Wireframe::default),
-            background: match self.transparent {
-                true => Background::Transparent,
-                false => Background::WHITE,
-            },
+            background: if self.transparent { Background::Transparent } else { Background::WHITE },
             ..RenderOptions::default()
         };
         let up = match self.up {

@@ -7,12 +7,13 @@ use fairing::mesh::{
     OpenHole, OpenReason, RepairError, RepairOptions, RepairStep, Repaired, Tolerance, TriMesh,
 };
 use fairing::smoothing::repair_fair;
-use serde_json::{Map, Value, json};
+use fairing::task::{self, Unit};
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
 use super::inputs::{Inputs, Summary};
-use super::noise::Unit;
+use super::noise::units;
 use super::table::Table;
 
 const EXAMPLES: &str = "\
@@ -55,7 +56,13 @@ pub(crate) struct Repair {
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// The unit of the tolerance
-    #[arg(long, value_enum, default_value = "edge", requires = "tolerance")]
+    #[arg(
+        long,
+        value_name = "UNIT",
+        value_parser = units(),
+        default_value = "edge",
+        requires = "tolerance",
+    )]
     unit: Unit,
     /// Drop components with fewer faces than this
     #[arg(long, value_name = "FACES", default_value_t = 0)]
@@ -100,12 +107,7 @@ impl Repair {
         let does = |step| !self.skip.contains(&step);
         let options = RepairOptions {
             merge: does(Skip::Merge),
-            tolerance: match (self.tolerance, self.unit) {
-                (None, _) => Tolerance::Rounding,
-                (Some(ratio), Unit::Edge) => Tolerance::EdgeLengths(ratio),
-                (Some(length), Unit::Model) => Tolerance::Model(length),
-                (Some(ratio), Unit::Diagonal) => Tolerance::Diagonals(ratio),
-            },
+            tolerance: self.tolerance.map_or(Tolerance::Rounding, |t| self.unit.tolerance(t)),
             duplicates: does(Skip::Duplicates),
             orient: does(Skip::Orient),
             cavities: self.cavities,
@@ -139,7 +141,7 @@ impl Repair {
         input: &Path,
         options: &RepairOptions,
     ) -> Result<Value, Failure> {
-        let output = self.output.of(context, input, Content::Mesh)?;
+        let output = self.output.if_given(context, input, Content::Mesh)?;
         let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         let (repaired, flat) = repair_fair(&file.mesh, options).map_err(|error| match error {
@@ -160,13 +162,14 @@ impl Repair {
             return Err(error.into());
         }
         let summary = match (self.summary.json, self.summary.table) {
-            (true, _) => as_json(&repaired),
-            (_, Some(_)) => as_row(&repaired),
+            (true, _) => task::repair(&repaired),
+            (_, Some(_)) => task::counts(&repaired),
             _ => {
                 let text = as_table(&file.mesh, &repaired);
-                match self.dry_run {
-                    true => context.print(text)?,
-                    false => context.note(text.trim_end()),
+                if self.dry_run {
+                    context.print(text)?;
+                } else {
+                    context.note(text.trim_end());
                 }
                 Value::Null
             }
@@ -222,39 +225,4 @@ fn as_table(input: &TriMesh, repaired: &Repaired) -> String {
     table.row(["vertices".into(), format!("{} -> {}", input.vertex_count(), mesh.vertex_count())]);
     table.row(["faces".into(), format!("{} -> {}", input.face_count(), mesh.face_count())]);
     table.to_string()
-}
-
-fn as_json(repaired: &Repaired) -> Value {
-    let changes = repaired.changes.iter();
-    let changes: Map<String, Value> =
-        changes.map(|(step, elements)| (step.name().to_owned(), json!(elements))).collect();
-    let mut summary = counts(repaired);
-    summary.insert("changes".to_owned(), changes.into());
-    let open = repaired.open_holes.iter();
-    let open: Vec<Value> = open
-        .map(|&OpenHole { vertex, edges, reason, .. }| {
-            json!({ "vertex": vertex, "edges": edges, "reason": reason.name() })
-        })
-        .collect();
-    summary.insert("open_holes".to_owned(), open.into());
-    summary.insert("vertex_map".to_owned(), json!(repaired.vertices));
-    summary.into()
-}
-
-/// The number of elements that each step changed.
-fn as_row(repaired: &Repaired) -> Value {
-    let mut row = counts(repaired);
-    for step in RepairStep::ALL {
-        row.insert(step.name().to_owned(), repaired.changed(step).len().into());
-    }
-    row.into()
-}
-
-fn counts(repaired: &Repaired) -> Map<String, Value> {
-    let entries: [(&str, Value); 3] = [
-        ("unchanged", repaired.is_unchanged().into()),
-        ("vertices", repaired.mesh.vertex_count().into()),
-        ("faces", repaired.mesh.face_count().into()),
-    ];
-    entries.map(|(name, value)| (name.to_owned(), value)).into_iter().collect()
 }

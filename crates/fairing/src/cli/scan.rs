@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::evaluation::{ScanOptions, add_noise, scan};
 use fairing::mesh::io::VertexFields;
+use fairing::task::Unit;
 use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary, check_distinct, output_for};
-use super::noise::{Kind, Point, Unit, point};
+use super::noise::{Kind, Point, point, units};
 use super::render::size;
 use super::table::number;
 
@@ -55,7 +56,7 @@ pub(crate) struct Scan {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: Option<f64>,
     /// The unit of sigma; edges are those of the scan
-    #[arg(long, value_enum, default_value = "edge")]
+    #[arg(long, value_name = "UNIT", value_parser = units(), default_value = "edge")]
     unit: Unit,
     #[command(flatten)]
     kind: Kind,
@@ -79,7 +80,7 @@ impl Scan {
         if let Some(truth) = &truth {
             self.output.overwrite.check(context, truth, Content::Mesh)?;
         }
-        let kind = self.kind.or("depth-camera")?;
+        let kind = self.kind.or("depth-camera", None)?;
         if self.sigma.is_none() && self.kind.is_given() {
             return Err(Failure::usage("--kind, --fraction and --length need --sigma"));
         }
@@ -105,8 +106,8 @@ impl Scan {
         let Some(sigma) = self.sigma else {
             return files::write_held(context, &output, &seen.mesh, &fields).map(drop);
         };
-        let level = self.unit.level(sigma);
         let kind = kind.with_camera(seen.camera).unwrap_or(kind);
+        let level = self.unit.level(sigma);
         let noisy = add_noise(&seen.mesh, kind, level, self.seed)?;
         let sigma = number(level.in_mesh_units(&seen.mesh));
         context.note(format_args!("sigma = {sigma} in units of the file"));

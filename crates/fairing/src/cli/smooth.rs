@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use clap::Args;
+use fairing::mesh::TriMesh;
 use fairing::parameters::{self, Algorithm};
-use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
-use fairing::sparse::larger;
-use glam::DVec3;
-use serde_json::{Value, json};
+use fairing::smoothing::{Approach, FlowError, FlowFailure, Method, Observer, Report, Step};
+use fairing::task;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
@@ -18,7 +18,7 @@ use super::operator::say_too_thin;
 use super::parameters::{Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
 use super::surface::{Reading, Surface, say_orientation};
-use super::table::{Table, number};
+use super::table::{Table, cell, number};
 
 const HELP: &str = "\
 Choosing a method
@@ -123,27 +123,32 @@ impl Smooth {
             _ => ControlFlow::Continue(()),
         };
         let observer = small.map(|_| &mut settle as &mut Observer<'_>);
+        let write =
+            |moved: TriMesh| files::write_moved(context, &output, &surface.own(moved)?, fields);
         let mut smoothed = match method.run(mesh, observer) {
             Ok(smoothed) => smoothed,
+            Err(FlowError {
+                failure: failure @ (FlowFailure::Option(_) | FlowFailure::Unsupported { .. }),
+                ..
+            }) => return Err(Failure::usage(failure)),
             Err(error) => {
-                if matches!(error.failure, FlowFailure::Option(_) | FlowFailure::Unsupported { .. })
-                {
-                    return Err(Failure::usage(error.failure));
-                }
                 if self.last_good && error.iteration > 1 {
-                    let last_good =
-                        keep_others(mesh, (*error.last_good).clone(), selected.as_deref())?;
-                    let last_good = surface.own(last_good)?;
-                    files::write_moved(context, &output, &last_good, fields)?;
+                    let last_good = TriMesh::clone(&error.last_good);
+                    write(keep_others(mesh, last_good, selected.as_deref())?)?;
                 }
                 return Err(Failure::from(error));
             }
         };
         smoothed.mesh = keep_others(mesh, smoothed.mesh, selected.as_deref())?;
         self.say(context, &smoothed.report);
-        let summary = self.summarise(context, &method, &surface, &smoothed);
-        let report = files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)?;
-        Ok(files::with_split(summary, &report))
+        let mut report = task::smooth(&method, mesh, &smoothed);
+        if self.summary.is_wanted() {
+            report = surface.add_to(report);
+        } else {
+            context.note(table(&report).to_string().trim_end());
+            report = Value::Null;
+        }
+        Ok(files::with_split(report, &write(smoothed.mesh)?))
     }
 
     /// The method with its parameters; vertices in them are numbered as in the file. Vertices that
@@ -213,78 +218,26 @@ impl Smooth {
             None => Ok(()),
         }
     }
-
-    /// The summary, as a note unless it is wanted otherwise.
-    fn summarise(
-        &self,
-        context: &Context,
-        method: &Method,
-        surface: &Surface,
-        smoothed: &Smoothed,
-    ) -> Value {
-        let (report, before, after) = (&smoothed.report, surface.mesh(), &smoothed.mesh);
-        let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
-        // The volume of a flat closed mesh is pure rounding; a ball of the same area has
-        // (area/π)^(3/2)/6.
-        let none = 1e-12 * libm::pow(before.area(), 1.5);
-        let volume = match before.signed_volume() {
-            old if before.topology().is_closed() && old.abs() > none => {
-                change(old, after.signed_volume())
-            }
-            _ => None,
-        };
-        let area = change(before.area(), after.area());
-        let farthest = before
-            .positions()
-            .iter()
-            .zip(after.positions())
-            .map(|(&p, &q)| DVec3::from(p).distance(q.into()))
-            .fold(0.0, larger);
-        if self.summary.is_wanted() {
-            let mut summary = json(method, report, [volume, area], farthest);
-            surface.add_to(&mut summary);
-            return summary;
-        }
-        let mut table = Table::new();
-        let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{} %", number(x)));
-        table.row(["method".into(), method.name().into()]);
-        table.row(["iterations".into(), report.iterations.to_string()]);
-        table.row(["computed by".into(), report.approach.to_string()]);
-        if report.degenerate_faces > 0 {
-            table.row(["degenerate faces".into(), report.degenerate_faces.to_string()]);
-        }
-        table.row(["largest displacement".into(), number(farthest)]);
-        table.row(["volume".into(), percent(volume)]);
-        table.row(["area".into(), percent(area)]);
-        context.note(table.to_string().trim_end());
-        Value::Null
-    }
 }
 
-/// Summary as JSON, with the changes of volume and area in percent.
-fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f64) -> Value {
-    // As in `fairing spectrum`; null for methods that keep no number of modes.
-    let gaps = match report.approach {
-        Approach::Modes { count } => match report.split {
-            Some(split) => (Some(split.below), split.above),
-            None => (Some(count), Some(count)),
-        },
-        _ => (None, None),
-    };
-    json!({
-        "gap_below": gaps.0,
-        "gap_above": gaps.1,
-        "method": method.name(),
-        "iterations": report.iterations,
-        "stopped": report.stopped,
-        "stable_limit": report.stable_limit,
-        "unstable": report.unstable,
-        "too_thin_face": report.too_thin,
-        "degenerate_faces": report.degenerate_faces,
-        "computed_by": report.approach.to_string(),
-        "worst_residual": report.worst_residual,
-        "volume_change_percent": changes[0],
-        "area_change_percent": changes[1],
-        "largest_displacement": farthest,
-    })
+/// The main entries of a report as a table.
+fn table(report: &Value) -> Table {
+    let rows = [
+        ("method", "method", ""),
+        ("iterations", "iterations", ""),
+        ("computed by", "computed_by", ""),
+        ("degenerate faces", "degenerate_faces", ""),
+        ("largest displacement", "largest_displacement", ""),
+        ("volume", "volume_change_percent", " %"),
+        ("area", "area_change_percent", " %"),
+    ];
+    let mut table = Table::new();
+    for (label, entry, unit) in rows {
+        let value = &report[entry];
+        let unit = if value.is_null() { "" } else { unit };
+        if entry != "degenerate_faces" || *value != 0 {
+            table.row([label.into(), cell(value) + unit]);
+        }
+    }
+    table
 }

@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use super::context::{Context, Failure};
 use super::files::{Content, OptionalOutput};
 use super::inputs::{Inputs, Summary};
-use super::memory;
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
@@ -97,14 +96,11 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
         return;
     };
     let worst = modes.residuals.iter().fold(0.0, |m, r| larger(m, *r));
-    let bound = match worst <= fraction * largest {
-        true => {
-            format!("all are within {fraction:e} of the largest eigenvalue, {}", number(largest))
-        }
-        false => {
-            "smaller ones are out of reach: masses or weights differ so widely that rounding dominates"
-                .to_owned()
-        }
+    let bound = if worst <= fraction * largest {
+        format!("all are within {fraction:e} of the largest eigenvalue, {}", number(largest))
+    } else {
+        "smaller ones are out of reach: masses or weights differ so widely that rounding dominates"
+            .to_owned()
     };
     context.note(format_args!(
         "warning: {count} of {} residuals exceed {fraction:e} of their eigenvalue (mode {mode}: {} of {}); \
@@ -154,11 +150,10 @@ impl Spectrum {
     }
 
     fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
-        let output = self.output.of(context, input, Content::Npz)?;
+        let output = self.output.if_given(context, input, Content::Npz)?;
         let (surface, _) = self.reading.read(context, input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, kind.mass)?;
-        memory::require_for_modes(mesh.vertex_count(), self.k)?;
         let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;

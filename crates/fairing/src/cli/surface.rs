@@ -6,7 +6,7 @@ use clap::Args;
 use fairing::mesh::io::VertexFields;
 use fairing::mesh::{TriMesh, Welded};
 use fairing::parameters::{self, WeightedVertex};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files;
@@ -90,17 +90,18 @@ impl Surface {
         }
     }
 
-    /// Adds the changes made to the mesh before the computation to a JSON summary.
-    pub(crate) fn add_to(&self, summary: &mut Value) {
+    /// A report with the changes made to the mesh before the computation.
+    pub(crate) fn add_to(&self, mut report: Value) -> Value {
         let mesh = self.mesh();
         let entries = [
             ("turned_faces", mesh.turned_faces().len()),
             ("one_sided_faces", mesh.one_sided_faces().len()),
             ("welded_vertices", self.own.vertex_count() - mesh.vertex_count()),
         ];
-        if let Value::Object(summary) = summary {
-            summary.extend(entries.map(|(name, count)| (name.to_owned(), json!(count))));
+        if let Value::Object(report) = &mut report {
+            report.extend(entries.map(|(name, count)| (name.to_owned(), count.into())));
         }
+        report
     }
 
     /// Values at the vertices of the file, from values at the vertices computed on.

@@ -1,6 +1,8 @@
-//! Tables of names and values for people.
+//! Tables of names and values as text.
 
 use std::fmt;
+
+use serde_json::Value;
 
 /// Rows of cells in aligned columns, the first and the errors to the left and the others to the
 /// right.
@@ -61,9 +63,21 @@ pub(crate) fn number(x: f64) -> String {
     }
     let decimals = (5.0 - exponent).max(0.0) as usize;
     let text = format!("{x:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A value of a report: `-` for null, `yes` or `no`, and numbers with six digits.
+pub(crate) fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => "-".to_owned(),
+        Value::Bool(flag) => if *flag { "yes" } else { "no" }.to_owned(),
+        Value::Number(x) if x.is_f64() => number(x.as_f64().unwrap_or_default()),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
     }
 }
 

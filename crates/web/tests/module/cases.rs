@@ -212,7 +212,7 @@ pub(crate) fn flat(module: PathBuf) -> Result<()> {
     Ok(())
 }
 
-/// A page cancels work, hears of defects and of memory that runs out, and goes on with its meshes.
+/// A page cancels work, gets the messages of panics and failed allocations, and keeps its meshes.
 pub(crate) fn client(module: PathBuf) -> Result<()> {
     node("client.mjs", &[&module]).map(|_| ())
 }

@@ -1,0 +1,31 @@
+//! Scoring a mesh against a reference.
+
+use fairing_evaluation::Scores;
+use serde_json::{Value, json};
+
+use super::object;
+
+/// Scores by name, each with its value and unit, or with the reason for its absence; and the
+/// diagonal of the reference.
+pub fn compare(scores: &Scores) -> Value {
+    let entries = scores.entries().into_iter().map(|score| {
+        let entry = match score.value {
+            Ok(value) => json!({ "value": value, "unit": score.unit.to_string() }),
+            Err(reason) => json!({ "value": null, "reason": reason }),
+        };
+        (score.name, entry)
+    });
+    object([("diagonal", json!(scores.diagonal))].into_iter().chain(entries))
+}
+
+/// The same as a list of `scores`, each with its name, label and unit.
+pub fn scores(scores: &Scores) -> Value {
+    let entries = scores.entries().into_iter().map(|score| {
+        let (name, label, unit) = (score.name, score.label, score.unit.to_string());
+        match score.value {
+            Ok(value) => json!({ "name": name, "label": label, "unit": unit, "value": value }),
+            Err(reason) => json!({ "name": name, "label": label, "unit": unit, "reason": reason }),
+        }
+    });
+    json!({ "diagonal": scores.diagonal, "scores": entries.collect::<Vec<_>>() })
+}
