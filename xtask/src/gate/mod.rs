@@ -14,7 +14,7 @@ use crate::{python, tidy};
 use executables::Tests;
 
 /// Workspaces of their own, whose format is checked too.
-const OTHER_WORKSPACES: [&str; 1] = ["fuzz"];
+const OTHER_WORKSPACES: [&str; 2] = ["fuzz", "study"];
 
 /// Checks by programs that need not be installed: the name, the program, and its arguments.
 const TOOLS: [(&str, &str, &[&str]); 3] = [

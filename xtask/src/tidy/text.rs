@@ -1,6 +1,5 @@
 //! Rules on single files and their lines.
 
-use std::ffi::OsStr;
 use std::path::Path;
 
 use super::tree::Tree;
@@ -11,16 +10,17 @@ const MAX_LINES: usize = 600;
 const MAX_COLUMNS: usize = 100;
 /// Extensions of code.
 const CODE: [&str; 6] = ["rs", "mjs", "css", "html", "py", "sh"];
-/// Names of modules that say nothing.
-const VAGUE: [&str; 6] = ["utils", "util", "common", "helpers", "helper", "misc"];
 /// Words that do not open documentation: a noun phrase or a verb says more.
 const OPENINGS: [&str; 8] = ["What", "Which", "How", "Whether", "Who", "Whoever", "Whose", "That"];
 
-/// Finds files that are too long or have a vague name, and lines that break a rule.
+/// Finds files that are too long and lines that break a rule.
 pub(super) fn check(tree: &Tree) -> Vec<String> {
     let mut faults = vec![];
     for (path, text) in &tree.texts {
-        faults.extend(file(path, text).map(|what| format!("{}: {what}", path.display())));
+        let lines = text.lines().count();
+        if code(path).is_some() && lines > MAX_LINES {
+            faults.push(format!("{}: {lines} lines; at most {MAX_LINES}", path.display()));
+        }
         let mut before = "";
         for (number, line) in (1..).zip(text.lines()) {
             let what = fault(path, before, line);
@@ -35,19 +35,6 @@ pub(super) fn check(tree: &Tree) -> Vec<String> {
 fn code(path: &Path) -> Option<&'static str> {
     let extension = path.extension().filter(|_| !path.starts_with("docs/report"))?;
     CODE.into_iter().find(|known| extension == *known)
-}
-
-/// The fault of a file as a whole, if any.
-fn file(path: &Path, text: &str) -> Option<String> {
-    code(path)?;
-    let lines = text.lines().count();
-    if lines > MAX_LINES {
-        return Some(format!("{lines} lines; at most {MAX_LINES}"));
-    }
-    let names = [path.file_stem(), path.parent().and_then(Path::file_name)];
-    let is_vague = |name: &&OsStr| VAGUE.iter().any(|vague| name == vague);
-    let vague = names.into_iter().flatten().find(is_vague)?;
-    Some(format!("the name {} says nothing", vague.display()))
 }
 
 /// The fault of a line, if any, given the line before.
@@ -79,14 +66,12 @@ fn fault(path: &Path, before: &str, line: &str) -> Option<String> {
 /// The folder of homes, or another of one machine, at which an absolute path in a line begins.
 fn machine_folder(line: &str) -> Option<String> {
     // Built from parts, so that this file does not break the rule.
-    let mut folders = ["home", "Users", "root", "work", "mnt"].map(|name| format!("/{name}/"));
-    let stands_alone = |at: usize| {
+    let folders = ["home", "Users", "root", "work", "mnt"].map(|name| format!("/{name}/"));
+    let stands_alone = |(at, _): (usize, &str)| {
         let before = line[..at].chars().next_back();
         before.is_none_or(|c| !(c.is_alphanumeric() || "./_-~}".contains(c)))
     };
-    let named =
-        |folder: &&mut String| line.match_indices(folder.as_str()).any(|(at, _)| stands_alone(at));
-    folders.iter_mut().find(named).map(std::mem::take)
+    folders.into_iter().find(|folder| line.match_indices(folder.as_str()).any(stands_alone))
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ struct Parsed {
     blocks: BTreeMap<&'static str, &'static str>,
 }
 
-/// What stands before the first heading.
+/// The head: everything before the first heading.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Head {
@@ -51,7 +51,7 @@ struct Head {
     playground: Option<String>,
 }
 
-/// What fills a placeholder.
+/// A value for a placeholder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Value {
     /// A number.
