@@ -1,9 +1,9 @@
-//! The report: what experiments return, the experiments, their report as Markdown and as a page, and
-//! the program behind `cargo xtask reproduce`.
+//! The report: what experiments return, the experiments, their report as Markdown and as a page,
+//! and the program behind `cargo xtask reproduce`.
 //!
 //! An experiment is a value: [`experiment::Experiment`] says what it asks, how it measures, and how
-//! it judges its claims from its own tables. [`page`] shows what it returned and needs nothing else,
-//! so a report can be rendered again without running any experiment.
+//! it judges its claims from its own tables. [`page`] shows what it returned and needs nothing
+//! else, so a report can be rendered again without running any experiment.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -86,7 +86,7 @@ fn build(root: &Path, folder: &Path) -> Result<Vec<u8>> {
     build.args(["--target", TARGET]);
     // A folder of its own: another compiler would replace what is in the other one.
     build.env("CARGO_TARGET_DIR", folder);
-    let flags = "-Ctarget-feature=+simd128 -Clink-arg=-zstack-size=4194304";
+    let flags = "-Ctarget-feature=+simd128 -Clink-arg=-zstack-size=4194304 -Clink-arg=--strip-all";
     build.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags);
     toolchain.prepare(&mut build);
     ensure!(succeeds(&mut build)?, "the module does not compile");

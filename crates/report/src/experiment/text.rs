@@ -1,5 +1,5 @@
-//! The words of an experiment: a Markdown file of `text/` with a head in TOML and a block under each
-//! heading, whose `{placeholders}` are filled with the numbers of a run.
+//! The words of an experiment: a Markdown file of `text/` with a head in TOML and a block under
+//! each heading, whose `{placeholders}` are filled with the numbers of a run.
 //!
 //! A placeholder `{name}` shows a number with two digits, `{name:up}` and `{name:down}` round it
 //! outwards for a bound (at most, at least), `{name:short}` shows four digits, `{name:fixed}` two
