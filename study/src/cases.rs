@@ -84,10 +84,7 @@ impl Case {
 /// away.
 pub(crate) fn view(model: &TriMesh, size: [u32; 2], seed: u64) -> Result<Scan> {
     let draw = |salt: u64| unit(seed.wrapping_mul(41).wrapping_add(salt));
-    let z = match model.topology().is_closed() {
-        true => 2.0 * draw(1) - 1.0,
-        false => 0.5 + 0.5 * draw(1),
-    };
+    let z = if model.topology().is_closed() { 2.0 * draw(1) - 1.0 } else { 0.5 + 0.5 * draw(1) };
     let (flat, turn) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * draw(2));
     let toward = DVec3::new(flat * libm::cos(turn), flat * libm::sin(turn), z);
     let [low, high] = model.bounding_box().unwrap_or_default().map(DVec3::from);

@@ -98,10 +98,7 @@ pub(crate) fn train(options: &Train) -> Result<()> {
         .unwrap_or_else(|| in_repository(WEIGHTS[usize::from(options.correlated)]));
     // Training takes long: a place that cannot be written is an error before it.
     io::check_writable(&path).with_context(|| format!("writing {}", path.display()))?;
-    let pairs = match options.correlated {
-        true => correlated_pairs(options.models)?,
-        false => training_pairs(options.models)?,
-    };
+    let pairs = if options.correlated { correlated_pairs(options.models)? } else { training_pairs(options.models)? };
     let faces: usize = pairs.iter().map(|p| p.truth.face_count()).sum();
     println!("{} pairs, {faces} faces, {:.0} s", pairs.len(), start.elapsed().as_secs_f64());
     let training = TrainingOptions {

@@ -104,9 +104,12 @@ impl ChebyshevSeries {
             .zip(given)
             .enumerate()
             .with_min_len(CHUNK)
-            .map(|(i, (p, &x))| match laplacian.is_fixed(i) {
-                true => x,
-                false => [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]],
+            .map(|(i, (p, &x))| {
+                (if laplacian.is_fixed(i) {
+                    x
+                } else {
+                    [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]]
+                })
             })
             .collect()
     }

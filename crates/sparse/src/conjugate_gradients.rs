@@ -123,9 +123,12 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
             return Err(SparseError::NotConverged { iterations: *iterations, residual });
         }
         let curvature = system.multiply(p, q);
-        let ratios = |above: &[f64; B], below: &[f64; B]| match system.is_coupled() {
-            true => [ratio(above.iter().sum(), below.iter().sum()); B],
-            false => std::array::from_fn(|k| ratio(above[k], below[k])),
+        let ratios = |above: &[f64; B], below: &[f64; B]| {
+            (if system.is_coupled() {
+                [ratio(above.iter().sum(), below.iter().sum()); B]
+            } else {
+                std::array::from_fn(|k| ratio(above[k], below[k]))
+            })
         };
         let mut alpha = ratios(&rz, &curvature);
         for k in 0..B {
@@ -211,17 +214,12 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
 ) -> (CgSolution<Vec<[f64; B]>>, Option<SparseError>) {
     let squared = |v: &[[f64; B]]| {
         let sums: [f64; B] = parallel::sum(v.len(), |i| v[i].map(|v| v * v));
-        match system.is_coupled() {
-            true => [sums.iter().sum(); B],
-            false => sums,
-        }
+        if system.is_coupled() { [sums.iter().sum(); B] } else { sums }
     };
     let size = squared(b).map(f64::sqrt);
     let goal = size.map(|b| options.tolerance * b);
-    let together = |rr: &[f64; B]| match system.is_coupled() {
-        true => [rr.iter().sum::<f64>(); B],
-        false => *rr,
-    };
+    let together =
+        |rr: &[f64; B]| (if system.is_coupled() { [rr.iter().sum::<f64>(); B] } else { *rr });
     let small = |rr: &[f64; B]| {
         let rr = together(rr);
         std::array::from_fn(|k| rr[k].sqrt() <= goal[k])
@@ -234,12 +232,11 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
     }
     // A guess of zero leaves b.
     let zero = x.iter().all(|x| *x == [0.0; B]);
-    let mut found = match zero {
-        true => {
-            workspace.r.copy_from_slice(b);
-            size
-        }
-        false => residual(system, b, &x, &mut workspace, squared),
+    let mut found = if zero {
+        workspace.r.copy_from_slice(b);
+        size
+    } else {
+        residual(system, b, &x, &mut workspace, squared)
     };
     let failure = loop {
         let most = options.max_iterations;

@@ -70,9 +70,10 @@ impl<'a> LaplacianPower<'a> {
             for (mut row, mass) in product.outer_iterator_mut().zip(self.mass) {
                 row.iter_mut().for_each(|(_, value)| *value /= mass);
             }
-            product = match factor + 1 == self.order {
-                true => &(&rows * self.stiffness) * &product,
-                false => self.stiffness * &product,
+            product = if factor + 1 == self.order {
+                &(&rows * self.stiffness) * &product
+            } else {
+                self.stiffness * &product
             };
         }
         product

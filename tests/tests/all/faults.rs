@@ -107,9 +107,10 @@ fn a_file_that_changes_while_it_is_read_is_an_error() {
         // On a busy machine the writer may rest for the whole time that reading takes.
         (0..20).find_map(|_| {
             let output = fairing(folder.path(), "repair growing.obj -o out.ply");
-            match output.status.success() {
-                true => fs::remove_file(folder.path().join("out.ply")).map(|()| None).unwrap(),
-                false => Some((output.status.code(), String::from_utf8(output.stderr).unwrap())),
+            if output.status.success() {
+                fs::remove_file(folder.path().join("out.ply")).map(|()| None).unwrap()
+            } else {
+                Some((output.status.code(), String::from_utf8(output.stderr).unwrap()))
             }
         })
     });

@@ -165,12 +165,15 @@ fn seams_are_named_and_stay_closed_when_welded() {
     let mut copies = std::collections::HashMap::new();
     let faces = torus.faces().iter().map(|face| {
         let beyond = face.iter().any(|&v| v % 40 == 39);
-        face.map(|v| match beyond && v % 40 == 0 {
-            true => *copies.entry(v).or_insert_with(|| {
-                positions.push(torus.positions()[v as usize]);
-                positions.len() as u32 - 1
-            }),
-            false => v,
+        face.map(|v| {
+            (if beyond && v % 40 == 0 {
+                *copies.entry(v).or_insert_with(|| {
+                    positions.push(torus.positions()[v as usize]);
+                    positions.len() as u32 - 1
+                })
+            } else {
+                v
+            })
         })
     });
     let faces: Vec<_> = faces.collect();

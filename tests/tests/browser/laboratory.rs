@@ -483,9 +483,10 @@ fn serve(page: PathBuf, mesh: Vec<u8>) -> Result<u16> {
             let Ok(mut stream) = stream else { return };
             let mut request = [0; 4096];
             let length = stream.read(&mut request).unwrap_or(0);
-            let (kind, body) = match request[..length].starts_with(b"GET / ") {
-                true => ("text/html", std::fs::read(&page).unwrap_or_default()),
-                false => ("application/octet-stream", mesh.clone()),
+            let (kind, body) = if request[..length].starts_with(b"GET / ") {
+                ("text/html", std::fs::read(&page).unwrap_or_default())
+            } else {
+                ("application/octet-stream", mesh.clone())
             };
             let head = format!(
                 "HTTP/1.1 200 OK\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",

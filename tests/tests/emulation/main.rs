@@ -103,9 +103,10 @@ impl Session {
         // The emulator warns of unsupported features.
         let error = String::from_utf8_lossy(&output.stderr);
         ensure!(output.status.success(), "{line} on {name}: {error}");
-        match case.line.contains("OUT") {
-            true => Ok(std::fs::read(self.folder.path().join(file))?),
-            false => Ok(output.stdout),
+        if case.line.contains("OUT") {
+            Ok(std::fs::read(self.folder.path().join(file))?)
+        } else {
+            Ok(output.stdout)
         }
     }
 }

@@ -52,9 +52,10 @@ impl Grid<'_> {
         let mut figure = Figure {
             columns,
             column_titles: headings.unwrap_or_default(),
-            row_titles: match titled {
-                true => self.rows.iter().map(|row| row.title.clone()).collect(),
-                false => vec![],
+            row_titles: if titled {
+                self.rows.iter().map(|row| row.title.clone()).collect()
+            } else {
+                vec![]
             },
             ..Figure::default()
         };

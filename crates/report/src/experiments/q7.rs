@@ -98,9 +98,10 @@ fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
         None => ("creature", shapes::creature(48)),
     };
     // The stand-in is the same part with finer faces.
-    let coarse = match context.is_stand_in(Input::Fandisk) || quick {
-        true => "coarse machine part",
-        false => "generated machine part",
+    let coarse = if context.is_stand_in(Input::Fandisk) || quick {
+        "coarse machine part"
+    } else {
+        "generated machine part"
     };
     let is_scan = name == "bunny";
     let detailed = Body::new(name, detailed)?.with_modes()?;

@@ -203,9 +203,10 @@ pub fn short(x: f64) -> String {
     } else {
         let digits = 3 - libm::log10(magnitude).floor() as i32;
         let fixed = format!("{x:.*}", digits.max(0) as usize);
-        match fixed.contains('.') {
-            true => fixed.trim_end_matches('0').trim_end_matches('.').to_string(),
-            false => fixed,
+        if fixed.contains('.') {
+            fixed.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            fixed
         }
     };
     text.replace('-', "−")
@@ -220,9 +221,10 @@ pub fn brief(x: f64) -> String {
     let exponent = libm::log10(x.abs()).floor() as i32;
     if (-3..=5).contains(&exponent) {
         let fixed = format!("{x:.*}", (1 - exponent).max(0) as usize);
-        let text = match fixed.contains('.') {
-            true => fixed.trim_end_matches('0').trim_end_matches('.'),
-            false => &fixed,
+        let text = if fixed.contains('.') {
+            fixed.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &fixed
         };
         return text.replace('-', "−");
     }

@@ -92,10 +92,7 @@ fn place(field: &impl Fn(&str) -> String, year: &str) -> String {
     if !pages.is_empty() {
         text += &format!(", {pages}");
     }
-    match text.is_empty() {
-        true => year.into(),
-        false => format!("{text}, {year}"),
-    }
+    if text.is_empty() { year.into() } else { format!("{text}, {year}") }
 }
 
 /// TeX as plain text: accents and braces.

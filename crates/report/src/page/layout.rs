@@ -26,9 +26,10 @@ pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
 
 /// Returns true if a table is not folded. A section without a list shows its first table.
 pub(crate) fn shows_table(record: &Record, id: &str) -> bool {
-    match is_laid_out(record) {
-        true => record.section.tables.iter().any(|shown| shown == id),
-        false => record.tables.first().is_some_and(|table| table.id == id),
+    if is_laid_out(record) {
+        record.section.tables.iter().any(|shown| shown == id)
+    } else {
+        record.tables.first().is_some_and(|table| table.id == id)
     }
 }
 

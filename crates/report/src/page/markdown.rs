@@ -55,9 +55,10 @@ fn sources(results: &Results) -> String {
         text += "\n## Sources\n\n";
     }
     for (entry, sections) in all {
-        let title = match entry.url.is_empty() {
-            true => entry.title,
-            false => format!("[{}]({})", entry.title, entry.url),
+        let title = if entry.url.is_empty() {
+            entry.title
+        } else {
+            format!("[{}]({})", entry.title, entry.url)
         };
         let (authors, place, sections) = (entry.authors, entry.place, sections.join(", "));
         let _ = writeln!(text, "- {authors}: {title}. {place} ({sections})");
@@ -207,9 +208,10 @@ fn meshes(results: &Results) -> String {
 /// paragraphs.
 pub fn summary(results: &Results) -> String {
     let lessons = story::lessons(results);
-    match lessons.is_empty() {
-        true => format!("{}\n", story::tally(results)),
-        false => format!("{}\n\nTo remember: {lessons}.\n", story::tally(results)),
+    if lessons.is_empty() {
+        format!("{}\n", story::tally(results))
+    } else {
+        format!("{}\n\nTo remember: {lessons}.\n", story::tally(results))
     }
 }
 

@@ -57,11 +57,10 @@ fn sweep(parent: &Path) -> Result<()> {
 
 /// The folder itself where `out` is a link to one, so that the link stays.
 pub(super) fn followed(out: &Path) -> Result<PathBuf> {
-    match out.is_symlink() {
-        true => {
-            fs::canonicalize(out).with_context(|| format!("{} is a link to nothing", out.display()))
-        }
-        false => Ok(out.into()),
+    if out.is_symlink() {
+        fs::canonicalize(out).with_context(|| format!("{} is a link to nothing", out.display()))
+    } else {
+        Ok(out.into())
     }
 }
 

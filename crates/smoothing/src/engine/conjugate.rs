@@ -117,9 +117,10 @@ impl<'a> ImplicitSolver<'a> {
     #[inline(always)]
     fn side(&self, x: &[Point], freedom: &Freedom, centre: Point, i: usize) -> [f64; 4] {
         let ((w, target), m) = (freedom.pull(i), self.laplacian.mass()[i]);
-        let term = match freedom.fixed[i] {
-            true => 0.0,
-            false => m * (1.0 + w) + 2.0 * self.step * self.laplacian.diagonal()[i],
+        let term = if freedom.fixed[i] {
+            0.0
+        } else {
+            m * (1.0 + w) + 2.0 * self.step * self.laplacian.diagonal()[i]
         };
         let side = |k: usize| {
             let pull = if w > 0.0 { w * (target[k] - centre[k]) } else { 0.0 };
@@ -244,9 +245,12 @@ impl<'a> System<'a> {
             let off = |k: usize| q * after[k] - m * (before[k] + pull[k]);
             [off(0), off(1), off(2), q]
         });
-        let off = |(s, free): (&[f64; 4], bool)| match free && s[3] > 0.0 {
-            true => [s[0] / s[3], s[1] / s[3], s[2] / s[3], 0.0],
-            false => [0.0; 4],
+        let off = |(s, free): (&[f64; 4], bool)| {
+            (if free && s[3] > 0.0 {
+                [s[0] / s[3], s[1] / s[3], s[2] / s[3], 0.0]
+            } else {
+                [0.0; 4]
+            })
         };
         let off: Vec<Padded> = sums.iter().zip(parts.free()).map(off).collect();
         update_both(d, p, |i, d, p| {

@@ -118,9 +118,12 @@ impl Freedom {
     ) -> Result<Self, FlowFailure> {
         let mesh = arrangement.mesh();
         let n = mesh.vertex_count();
-        let check = |vertex: u32| match (vertex as usize) < n {
-            true => Ok(vertex as usize),
-            false => Err(FlowFailure::NoSuchVertex { vertex, vertex_count: n }),
+        let check = |vertex: u32| {
+            (if (vertex as usize) < n {
+                Ok(vertex as usize)
+            } else {
+                Err(FlowFailure::NoSuchVertex { vertex, vertex_count: n })
+            })
         };
         let mut fixed = vec![false; n];
         if !constraints.pinned.is_empty() {

@@ -143,9 +143,10 @@ impl Direct {
             iterations += 1;
             laplacian.sweep_summing(&u, &mut r, |i, s, u, _| {
                 let q = mass[i] * (1.0 + freedom.pull(i).0);
-                let residual = match freedom.fixed[i] {
-                    true => [0.0; 3],
-                    false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * s[k])),
+                let residual = if freedom.fixed[i] {
+                    [0.0; 3]
+                } else {
+                    [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * s[k]))
                 };
                 (residual, ())
             });
@@ -252,14 +253,13 @@ fn system(
     let mut row: Vec<(u32, f64)> = Vec::new();
     for i in 0..n {
         row.clear();
-        let own = match freedom.fixed[i] {
-            true => 1.0,
-            false => {
-                let neighbors = laplacian.stiffness_row(i);
-                row.extend(neighbors.filter(|&(j, _)| !freedom.fixed[j as usize]));
-                let s = if laplacian.is_fixed(i) { 0.0 } else { laplacian.diagonal()[i] };
-                laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
-            }
+        let own = if freedom.fixed[i] {
+            1.0
+        } else {
+            let neighbors = laplacian.stiffness_row(i);
+            row.extend(neighbors.filter(|&(j, _)| !freedom.fixed[j as usize]));
+            let s = if laplacian.is_fixed(i) { 0.0 } else { laplacian.diagonal()[i] };
+            laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
         };
         for (_, s) in &mut row {
             *s *= step;

@@ -107,10 +107,8 @@ impl ImplicitSteps {
         hard: bool,
     ) -> Result<Solved, FlowFailure> {
         let Self { step, tolerance, .. } = *self;
-        let max_iterations = match self.may_factor {
-            true => ITERATIONS_BEFORE_FACTORING,
-            false => MAX_ITERATIONS,
-        };
+        let max_iterations =
+            if self.may_factor { ITERATIONS_BEFORE_FACTORING } else { MAX_ITERATIONS };
         let solver =
             ImplicitSolver { laplacian, parts: &self.parts, step, tolerance, max_iterations };
         let displacement = &mut self.displacement;
@@ -125,9 +123,10 @@ impl ImplicitSteps {
 
     /// The method used.
     pub(crate) fn approach(&self) -> Approach {
-        match self.factors_all {
-            true => Approach::Cholesky { factorisations: self.direct.factorisations },
-            false => Approach::ConjugateGradients { iterations: self.iterations },
+        if self.factors_all {
+            Approach::Cholesky { factorisations: self.direct.factorisations }
+        } else {
+            Approach::ConjugateGradients { iterations: self.iterations }
         }
     }
 }

@@ -108,10 +108,7 @@ impl Resolvent {
         }
         for (i, p) in last.iter_mut().enumerate() {
             let centre = centres[parts.part(i)];
-            *p = match laplacian.is_fixed(i) {
-                true => x[i],
-                false => [0, 1, 2].map(|k| p[k] + centre[k]),
-            };
+            *p = if laplacian.is_fixed(i) { x[i] } else { [0, 1, 2].map(|k| p[k] + centre[k]) };
         }
         Ok((last, worst))
     }

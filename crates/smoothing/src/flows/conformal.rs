@@ -91,9 +91,10 @@ pub fn conformalized_mean_curvature_flow(
         {
             return ControlFlow::Break(());
         }
-        match step.largest_displacement() <= threshold {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if step.largest_displacement() <= threshold {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     };
     let free = Constraints::default();

@@ -224,9 +224,10 @@ fn refine(
         // False for NaN.
         let contracts = size < 0.5 * before;
         if !contracts || iterations == MAX_CORRECTIONS {
-            return match size <= ACCEPTED {
-                true => Ok(()),
-                false => Err(FlowFailure::NotConverged { residual: size, iterations, vertex }),
+            return if size <= ACCEPTED {
+                Ok(())
+            } else {
+                Err(FlowFailure::NotConverged { residual: size, iterations, vertex })
             };
         }
         before = size;

@@ -87,12 +87,11 @@ impl SymbolicCholesky {
         let dissected = || Self::new(matrix, Ordering::NestedDissection);
         let least_degree = || Self::new(matrix, Ordering::MinimumDegree);
         // Both are needed for most large meshes.
-        let (first, second) = match matrix.rows() > SMALL && rayon::current_num_threads() > 1 {
-            true => {
-                let (first, second) = rayon::join(least_degree, dissected);
-                (first?, Some(second))
-            }
-            false => (least_degree()?, None),
+        let (first, second) = if matrix.rows() > SMALL && rayon::current_num_threads() > 1 {
+            let (first, second) = rayon::join(least_degree, dissected);
+            (first?, Some(second))
+        } else {
+            (least_degree()?, None)
         };
         if (first.factor_entries() as f64) < ordering::usual_fill(first.rows()) {
             return Ok(first);

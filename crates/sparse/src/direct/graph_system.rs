@@ -168,9 +168,10 @@ impl GraphSystem {
         s: &SparseMatrix,
         like: Option<&SymbolicCholesky>,
     ) -> Result<(), SparseError> {
-        let mut matrix = match self.free.len() == s.rows() {
-            true => s.clone(),
-            false => principal_submatrix(s, &self.free),
+        let mut matrix = if self.free.len() == s.rows() {
+            s.clone()
+        } else {
+            principal_submatrix(s, &self.free)
         };
         for (row, mut entries) in matrix.outer_iterator_mut().enumerate() {
             if let Some(own) = entries.get_mut(row) {

@@ -121,10 +121,8 @@ fn flows_do_not_depend_on_the_size() {
             seen.extend(step.positions()[5].map(|x| x / unit));
             ControlFlow::Continue(())
         };
-        let smoothed = match watched {
-            true => method.run(mesh, Some(&mut observe)),
-            false => method.run(mesh, None),
-        };
+        let smoothed =
+            if watched { method.run(mesh, Some(&mut observe)) } else { method.run(mesh, None) };
         let smoothed = smoothed.unwrap_or_else(|e| panic!("{} at {unit:e}: {e}", method.name()));
         (scaled(&smoothed.mesh, 1.0 / unit), smoothed.mesh, smoothed.report, seen)
     };

@@ -100,9 +100,10 @@ pub(super) fn image(figure: &FigureFile, folder: &Path) -> Result<String> {
     if let Some(path) = &figure.svg {
         let read = fs::read_to_string(folder.join(path));
         let svg = read.with_context(|| format!("reading {path}"))?;
-        let links = match figure.links.is_empty() {
-            true => String::new(),
-            false => format!("data-links=\"{}\" ", escape(&serde_json::to_string(&figure.links)?)),
+        let links = if figure.links.is_empty() {
+            String::new()
+        } else {
+            format!("data-links=\"{}\" ", escape(&serde_json::to_string(&figure.links)?))
         };
         let section = path.split('/').next().unwrap_or_default();
         let open = format!(

@@ -124,9 +124,10 @@ fn contents(results: &Results) -> String {
 /// table of claims follows.
 fn opening(results: &Results) -> String {
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
-    let lessons = match story::rules(results).is_empty() {
-        true => "",
-        false => " At the end is <a href=\"#rules\">what we would tell the student</a>.",
+    let lessons = if story::rules(results).is_empty() {
+        ""
+    } else {
+        " At the end is <a href=\"#rules\">what we would tell the student</a>."
     };
     let mut text = format!(
         "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}{lessons}</p>",
@@ -213,9 +214,10 @@ fn sources(results: &Results) -> String {
         .map(|(entry, sections)| {
             let links: Vec<String> =
                 sections.iter().map(|id| format!("<a href=\"#{0}\">{0}</a>", escape(id))).collect();
-            let title = match entry.url.is_empty() {
-                true => escape(&entry.title),
-                false => format!("<a href=\"{}\">{}</a>", escape(&entry.url), escape(&entry.title)),
+            let title = if entry.url.is_empty() {
+                escape(&entry.title)
+            } else {
+                format!("<a href=\"{}\">{}</a>", escape(&entry.url), escape(&entry.title))
             };
             format!(
                 "<li id=\"source-{}\">{}: {title}. {} ({})</li>",
@@ -226,13 +228,14 @@ fn sources(results: &Results) -> String {
             )
         })
         .collect();
-    match items.is_empty() {
-        true => items,
-        false => format!(
+    if items.is_empty() {
+        items
+    } else {
+        format!(
             "<section id=\"sources\"><h2>Sources</h2><details><summary>{} papers and books, with links</summary>\
              <ul>{items}</ul></details></section>",
             all.len()
-        ),
+        )
     }
 }
 
@@ -257,13 +260,14 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     }
     let count = thumbnail::all(results).len();
     let stand_ins = markdown::stand_ins(results);
-    let origin = match stand_ins.is_empty() {
-        true => "They are those of the assignment, or made here.".to_string(),
-        false => format!(
+    let origin = if stand_ins.is_empty() {
+        "They are those of the assignment, or made here.".to_string()
+    } else {
+        format!(
             "Generated meshes take the place of the assignment's: {}. With <code>--meshes FOLDER</code> the real ones \
              are used.",
             escape(&stand_ins.join(", "))
-        ),
+        )
     };
     Ok(format!(
         "<section id=\"meshes\"><h2>The meshes</h2><details><summary>{count} meshes with their pictures</summary>\
@@ -286,12 +290,13 @@ fn claims(results: &Results) -> String {
         .filter(|(count, _)| *count > 0)
         .map(|(count, verdict)| format!("{count} {verdict}"))
         .collect();
-    let ours = match ours.is_empty() {
-        true => ours,
-        false => format!(
+    let ours = if ours.is_empty() {
+        ours
+    } else {
+        format!(
             "<details><summary>Claims of Fairing: {}</summary>{ours}</details>",
             counts.join(", ")
-        ),
+        )
     };
     format!("<section id=\"claims\"><h2>The claims</h2>{source}{ours}</section>")
 }
@@ -309,12 +314,13 @@ fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
             escape(&claim.finding),
         );
     }
-    match rows.is_empty() {
-        true => rows,
-        false => format!(
+    if rows.is_empty() {
+        rows
+    } else {
+        format!(
             "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th><th scope=\"colgroup\">{heading}</th>\
              <th>Verdict</th><th>What is true</th></tr>{rows}</tbody></table></div>"
-        ),
+        )
     }
 }
 

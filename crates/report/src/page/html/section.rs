@@ -194,9 +194,10 @@ fn parameters(record: &Record) -> String {
         row(&parameter.name, escape(&parameter.value));
     }
     for source in &record.inputs {
-        let role = match source.stand_in {
-            true => format!(", standing in for <code>{}</code>", escape(&source.stands_for)),
-            false => String::new(),
+        let role = if source.stand_in {
+            format!(", standing in for <code>{}</code>", escape(&source.stands_for))
+        } else {
+            String::new()
         };
         let digest = source.sha256.get(..12).unwrap_or(&source.sha256);
         row(
@@ -204,11 +205,10 @@ fn parameters(record: &Record) -> String {
             format!("<code>{}</code>{role} (sha256 <code>{digest}…</code>)", escape(&source.file)),
         );
     }
-    match rows.is_empty() {
-        true => rows,
-        false => format!(
-            "<div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div>"
-        ),
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("<div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div>")
     }
 }
 
@@ -217,10 +217,9 @@ fn files(record: &Record) -> String {
     let one = |(path, about): (String, String)| format!("<li><code>{path}</code>: {about}</li>");
     let others = record.other_files().map(|f| (escape(&f.path), escape(&f.about)));
     let items: String = others.map(one).collect();
-    match items.is_empty() {
-        true => items,
-        false => format!(
-            "<p class=\"soft\">In the folder in which this page was made:</p><ul>{items}</ul>"
-        ),
+    if items.is_empty() {
+        items
+    } else {
+        format!("<p class=\"soft\">In the folder in which this page was made:</p><ul>{items}</ul>")
     }
 }

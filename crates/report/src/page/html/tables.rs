@@ -63,16 +63,17 @@ fn table(table: &Table, csv: &str, bytes: &[u8], folded: bool) -> String {
     let rows = table.rows.len();
     // Hundreds of rows are not for paper: they stay folded there, and the line says how many there
     // are.
-    let (before, caption, after) = match rows > markdown::LONG {
-        true => (
+    let (before, caption, after) = if rows > markdown::LONG {
+        (
             format!(
                 "<p class=\"caption\">{caption}</p><details class=\"rows\"><summary>{rows} rows</summary>{}",
                 if folded { "" } else { "<noscript>" }
             ),
             String::new(),
             if folded { "</details>" } else { "</noscript></details>" },
-        ),
-        false => (String::new(), format!("<caption><span>{caption}</span></caption>"), ""),
+        )
+    } else {
+        (String::new(), format!("<caption><span>{caption}</span></caption>"), "")
     };
     let mut text = format!(
         "{before}<div class=\"wide\"><table id=\"table-{}\">{caption}<thead><tr>",
