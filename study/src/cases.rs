@@ -30,7 +30,7 @@ pub struct Case {
 pub enum Sight {
     /// The model itself, with noise of a level in mean edge lengths.
     Model(NoiseKind, f64),
-    /// The depth image of a camera that has so many pixels along its sides; the camera of the noise
+    /// The depth image of a camera with these numbers of pixels; the camera of the noise
     /// is the same.
     View([u32; 2], NoiseKind, f64),
     /// The surface that marching cubes finds in a volume with this noise, and its name.

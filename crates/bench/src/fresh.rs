@@ -61,12 +61,6 @@ pub(crate) fn total(run: &Value) -> f64 {
         .sum()
 }
 
-/// The middle of an odd number of values, the upper middle of an even one.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +69,5 @@ mod tests {
     fn preparation_and_processor_time_do_not_count() {
         let run = serde_json::json!({"prepare": 4.0, "assemble": 1.0, "solve": 2.0, "_cpu": 8.0});
         assert_eq!(total(&run), 3.0);
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
     }
 }

@@ -21,7 +21,8 @@ use anyhow::{Context as _, Result};
 use clap::Parser;
 use serde_json::{Value, json};
 
-use fresh::{Fresh, Times, median};
+use fairing_sparse::upper_median;
+use fresh::{Fresh, Times};
 use stopwatch::Stopwatch;
 use task::{Job, Task};
 
@@ -209,7 +210,7 @@ fn once(task: &str, options: &Bench) -> Result<()> {
         (0..options.repeat.max(1)).map(|_| process.run()).collect::<Result<_>>()?;
     let seconds: Vec<f64> = times.iter().map(|t| t.first).collect();
     let least = seconds.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{}", json!({ "first": median(seconds), "least": least, "processes": times.len() }));
+    println!("{}", json!({ "first": upper_median(seconds), "least": least, "processes": times.len() }));
     Ok(())
 }
 

@@ -10,9 +10,10 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::io;
 use fairing_shapes::icosphere;
+use fairing_sparse::upper_median;
 use serde_json::Value;
 
-use crate::fresh::{Fresh, Times, median};
+use crate::fresh::{Fresh, Times};
 
 /// A task over the number of vertices.
 struct Scaled {
@@ -129,7 +130,8 @@ fn measured(folder: &Path, finest: u32) -> Result<(Vec<Row>, Vec<Rate>)> {
             let process = Fresh::new(scaled.task, &path, scaled.arguments);
             let count = if level < 8 { 3 } else { 1 };
             let runs: Vec<Times> = (0..count).map(|_| process.run()).collect::<Result<_>>()?;
-            let first = median(runs.iter().map(|times| times.first).collect());
+            let first = runs.iter().map(|times| times.first).collect();
+            let first = upper_median(first).context("no runs")?;
             let times = Times { first, ..runs[0] };
             eprintln!("{vertices:>9} vertices, {}: {:.3} s", scaled.words, times.first);
             row.times.push((vertices, times));

@@ -23,7 +23,7 @@ const ACCEPTED: [(&str, f64); 7] = [
 ];
 /// Other compilers may differ by less.
 const MORE: f64 = 1.15;
-/// A kernel that got so much better wants its own count accepted.
+/// A count below this share of the accepted one has to be accepted itself.
 const LESS: f64 = 0.7;
 
 fn main() {
@@ -56,7 +56,7 @@ fn compare(task: &str, accepted: f64) -> Result<()> {
     Ok(())
 }
 
-/// Instructions of a process that runs the task so many times.
+/// Instructions of a process that runs the task `repeat` times.
 fn count(task: &str, mesh: &Path, repeat: usize) -> Result<f64> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])

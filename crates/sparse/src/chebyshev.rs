@@ -105,11 +105,11 @@ impl ChebyshevSeries {
             .enumerate()
             .with_min_len(CHUNK)
             .map(|(i, (p, &x))| {
-                (if laplacian.is_fixed(i) {
+                if laplacian.is_fixed(i) {
                     x
                 } else {
                     [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]]
-                })
+                }
             })
             .collect()
     }

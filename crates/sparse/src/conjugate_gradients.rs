@@ -124,11 +124,11 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         }
         let curvature = system.multiply(p, q);
         let ratios = |above: &[f64; B], below: &[f64; B]| {
-            (if system.is_coupled() {
+            if system.is_coupled() {
                 [ratio(above.iter().sum(), below.iter().sum()); B]
             } else {
                 std::array::from_fn(|k| ratio(above[k], below[k]))
-            })
+            }
         };
         let mut alpha = ratios(&rz, &curvature);
         for k in 0..B {
@@ -219,7 +219,7 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
     let size = squared(b).map(f64::sqrt);
     let goal = size.map(|b| options.tolerance * b);
     let together =
-        |rr: &[f64; B]| (if system.is_coupled() { [rr.iter().sum::<f64>(); B] } else { *rr });
+        |rr: &[f64; B]| if system.is_coupled() { [rr.iter().sum::<f64>(); B] } else { *rr };
     let small = |rr: &[f64; B]| {
         let rr = together(rr);
         std::array::from_fn(|k| rr[k].sqrt() <= goal[k])

@@ -29,7 +29,7 @@ pub(super) struct Model {
     pub(super) occlusion: bool,
 }
 
-/// Distances between surfaces are measured at no more than about so many vertices of each, every
+/// Distances between surfaces are measured at about this many vertices of each at most, every
 /// mth: the mean of n independent distances is known to about 1/√n, here 2 %, and comparisons over
 /// λ use the same vertices.
 pub(super) const SAMPLES: usize = 2000;

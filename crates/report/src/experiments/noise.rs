@@ -267,7 +267,7 @@ fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
 
 /// Values nearer than this fraction of the median magnitude are equal: rounding
 /// decides which of them is larger, as at the vertices of one ring of a torus.
-/// Distinct values are ten thousand at most, and so much further apart.
+/// Distinct values are ten thousand at most, and further apart than that.
 const SAME: f64 = 1e-9;
 
 /// The rank of each value from 0 on, the mean of them where values are equal.

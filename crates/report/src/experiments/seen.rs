@@ -152,7 +152,7 @@ pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> Result<String> {
     TEXT.say("best and worst", values! { best, least, worst, largest })
 }
 
-/// A mesh from so many modes each, with its error over the diagonal.
+/// A mesh from growing numbers of modes, each with its error over the diagonal.
 pub(super) fn reconstructions(name: &str, errors: &[(usize, f64)]) -> Result<String> {
     let (Some(&(few, large)), Some(&(many, small))) = (errors.first(), errors.last()) else {
         return Ok(String::new());

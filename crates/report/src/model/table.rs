@@ -176,7 +176,7 @@ impl From<String> for Cell {
     }
 }
 
-/// Four significant digits for people; files keep every digit.
+/// Four significant digits, as in a report; files keep every digit.
 impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -343,7 +343,7 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-/// Tables show at most so many columns.
+/// The largest number of columns of a table.
 const WIDE: usize = 7;
 
 /// The name of a column for readers.

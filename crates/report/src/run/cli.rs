@@ -175,7 +175,7 @@ impl Reproduce {
     }
 }
 
-/// Prints the differences, and says whether there are none.
+/// Prints the differences; returns true if there is no difference.
 fn agree(differences: &[String]) -> bool {
     for difference in differences {
         eprintln!("{difference}");

@@ -246,11 +246,7 @@ impl<'a> System<'a> {
             [off(0), off(1), off(2), q]
         });
         let off = |(s, free): (&[f64; 4], bool)| {
-            (if free && s[3] > 0.0 {
-                [s[0] / s[3], s[1] / s[3], s[2] / s[3], 0.0]
-            } else {
-                [0.0; 4]
-            })
+            if free && s[3] > 0.0 { [s[0] / s[3], s[1] / s[3], s[2] / s[3], 0.0] } else { [0.0; 4] }
         };
         let off: Vec<Padded> = sums.iter().zip(parts.free()).map(off).collect();
         update_both(d, p, |i, d, p| {

@@ -119,11 +119,11 @@ impl Freedom {
         let mesh = arrangement.mesh();
         let n = mesh.vertex_count();
         let check = |vertex: u32| {
-            (if (vertex as usize) < n {
+            if (vertex as usize) < n {
                 Ok(vertex as usize)
             } else {
                 Err(FlowFailure::NoSuchVertex { vertex, vertex_count: n })
-            })
+            }
         };
         let mut fixed = vec![false; n];
         if !constraints.pinned.is_empty() {

@@ -223,7 +223,7 @@ impl<'a> Gauge<'a> {
         coupled: bool,
     ) -> Self {
         let together = |p: Point, f: fn(f64, f64) -> f64| {
-            (if coupled { [p.into_iter().fold(0.0, f); 3] } else { p })
+            if coupled { [p.into_iter().fold(0.0, f); 3] } else { p }
         };
         let (mut measure, mut report) = (Vec::new(), Vec::new());
         for (&[a, b, c, square], reach) in sides.iter().zip(reach) {
