@@ -210,7 +210,10 @@ fn once(task: &str, options: &Bench) -> Result<()> {
         (0..options.repeat.max(1)).map(|_| process.run()).collect::<Result<_>>()?;
     let seconds: Vec<f64> = times.iter().map(|t| t.first).collect();
     let least = seconds.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{}", json!({ "first": upper_median(seconds), "least": least, "processes": times.len() }));
+    println!(
+        "{}",
+        json!({ "first": upper_median(seconds), "least": least, "processes": times.len() })
+    );
     Ok(())
 }
 

@@ -70,18 +70,18 @@ pub struct CgSolution<X> {
 
 /// Memory of an iteration, reusable by consecutive solves.
 #[derive(Debug, Clone, Default)]
-pub struct CgWorkspace<const B: usize> {
+pub(crate) struct CgWorkspace<const B: usize> {
     /// The residual b − A x.
-    pub r: Vec<[f64; B]>,
+    pub(crate) r: Vec<[f64; B]>,
     /// The search direction.
-    pub p: Vec<[f64; B]>,
+    pub(crate) p: Vec<[f64; B]>,
     /// A p.
-    pub q: Vec<[f64; B]>,
+    pub(crate) q: Vec<[f64; B]>,
 }
 
 impl<const B: usize> CgWorkspace<B> {
     /// Resizes the arrays to `rows`; their values are unspecified.
-    pub fn resize(&mut self, rows: usize) {
+    pub(crate) fn resize(&mut self, rows: usize) {
         for all in [&mut self.r, &mut self.p, &mut self.q] {
             all.resize(rows, [0.0; B]);
         }
@@ -99,7 +99,7 @@ impl<const B: usize> CgWorkspace<B> {
 /// [`SparseError::NotConverged`] after `max_iterations` iterations or for a residual that is not
 /// finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
 /// iteration.
-pub fn descend<const B: usize, S: CgSystem<B>>(
+pub(crate) fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
     x: &mut [[f64; B]],
     workspace: &mut CgWorkspace<B>,
@@ -120,7 +120,8 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         fairing_watch::check();
         let residual = rr.iter().map(|rr| rr.sqrt()).fold(0.0, larger);
         if *iterations == max_iterations || !residual.is_finite() {
-            return Err(SparseError::NotConverged { iterations: *iterations, residual });
+            let (iterations, row) = (*iterations, worst_row(r));
+            return Err(SparseError::NotConverged { iterations, residual, row });
         }
         let curvature = system.multiply(p, q);
         let ratios = |above: &[f64; B], below: &[f64; B]| {
@@ -160,6 +161,12 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         });
         *iterations += 1;
     }
+}
+
+/// The row of the largest entry.
+pub(crate) fn worst_row<const B: usize>(r: &[[f64; B]]) -> usize {
+    let size = |r: &[f64; B]| r.iter().map(|r| r.abs()).fold(0.0, larger);
+    (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b]))).unwrap_or(0)
 }
 
 /// Row i of r² and of r z, for each column.
@@ -252,7 +259,8 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
         match end {
             Ok(()) => {}
             Err(SparseError::NotConverged { .. }) => {
-                break Some(SparseError::NotConverged { iterations, residual: worst() });
+                let (residual, row) = (worst(), worst_row(&workspace.r));
+                break Some(SparseError::NotConverged { iterations, residual, row });
             }
             other => break other.err(),
         }
@@ -262,7 +270,8 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
             break None;
         }
         if (0..B).all(|k| found[k].is_nan() || found[k] > 0.5 * last[k]) {
-            break Some(SparseError::NotConverged { iterations, residual: worst() });
+            let (residual, row) = (worst(), worst_row(&workspace.r));
+            break Some(SparseError::NotConverged { iterations, residual, row });
         }
         last = found;
     };

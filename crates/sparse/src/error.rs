@@ -180,13 +180,17 @@ pub enum SparseError {
         /// pᵀ A p.
         curvature: f64,
     },
-    /// Conjugate gradients did not reach the tolerance.
-    #[error("no convergence: relative residual {residual:e} after {iterations} iterations")]
+    /// A solution did not reach the tolerance.
+    #[error(
+        "no convergence: relative residual {residual:e} after {iterations} iterations, largest in row {row}"
+    )]
     NotConverged {
         /// Iterations taken.
         iterations: usize,
         /// The largest relative residual.
         residual: f64,
+        /// The row with the largest residual.
+        row: usize,
     },
     /// More eigenpairs were requested than there are rows.
     #[error("{wanted} eigenpairs were requested, but the matrix has {rows} rows")]

@@ -56,7 +56,7 @@ pub struct GraphNumbers<'a> {
 
 /// A point padded to a SIMD register: a third fewer instructions for a third more memory traffic,
 /// which pays in the inner loops of long computations. The fourth number is zero.
-pub type Padded = [f64; 4];
+pub(crate) type Padded = [f64; 4];
 
 /// Factors of a three-term recurrence.
 #[derive(Debug, Clone, Copy)]

@@ -11,6 +11,8 @@
 
 mod chebyshev;
 mod clenshaw;
+#[cfg(feature = "solvers")]
+mod components;
 mod conjugate_gradients;
 mod convert;
 #[cfg(feature = "solvers")]
@@ -20,6 +22,8 @@ mod double;
 mod eigen;
 mod error;
 mod graph_laplacian;
+#[cfg(feature = "solvers")]
+mod graph_system;
 mod laplacian_power;
 mod mass;
 mod matrix;
@@ -35,19 +39,21 @@ use ndarray_linalg as _;
 
 pub use chebyshev::ChebyshevSeries;
 pub use conjugate_gradients::{
-    CgOptions, CgSolution, CgSystem, CgWorkspace, ConjugateGradient, FieldOperator,
-    conjugate_gradients, descend, product_by_rows,
+    CgOptions, CgSolution, CgSystem, ConjugateGradient, FieldOperator, conjugate_gradients,
+    product_by_rows,
 };
 #[cfg(feature = "faer")]
 pub use convert::{from_faer, to_faer};
 #[cfg(feature = "nalgebra")]
 pub use convert::{from_nalgebra, to_nalgebra};
 #[cfg(feature = "solvers")]
-pub use direct::{Cholesky, GraphSystem, Inertia, Ldlt, Ordering, SymbolicCholesky, Workload};
+pub use direct::{Cholesky, Inertia, Ldlt, Ordering, SymbolicCholesky, Workload};
 #[cfg(feature = "solvers")]
 pub use eigen::{Beyond, EigenOptions, EigenPairs, smallest_eigenpairs};
 pub use error::SparseError;
-pub use graph_laplacian::{GraphLaplacian, GraphNumbers, Padded};
+pub use graph_laplacian::{GraphLaplacian, GraphNumbers};
+#[cfg(feature = "solvers")]
+pub use graph_system::{GraphSystem, Solved};
 pub use laplacian_power::LaplacianPower;
 pub use mass::{Mass, combine};
 pub use matrix::{SparseMatrix, from_csr, from_triplets, principal_submatrix};

@@ -199,6 +199,13 @@ impl<'a> Rows<'a> {
         (&self.columns[range.clone()], &self.values[range])
     }
 
+    /// The columns of the entries of a row that are not zero.
+    #[cfg(feature = "solvers")]
+    pub(crate) fn nonzeros(&self, row: usize) -> impl Iterator<Item = u32> + use<'a> {
+        let (columns, values) = self.row(row);
+        columns.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(&j, _)| j)
+    }
+
     /// The diagonal; zero where it has no entry.
     pub(crate) fn diagonal(&self) -> Vec<f64> {
         (0..self.count())

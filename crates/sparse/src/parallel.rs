@@ -8,7 +8,8 @@ use rayon::prelude::*;
 /// Rows of one chunk: large enough to hide scheduling, small enough to balance.
 pub const CHUNK: usize = 4096;
 
-/// A summand of a parallel pass: nothing, a number, or an array of summands.
+/// A summand of a parallel pass: nothing, a number, or an array or a pair of
+/// summands.
 pub trait Sum: Copy + Send {
     /// The empty sum.
     const ZERO: Self;
@@ -41,6 +42,16 @@ impl<T: Sum, const N: usize> Sum for [T; N] {
         for (sum, term) in self.iter_mut().zip(term) {
             sum.add(term);
         }
+    }
+}
+
+impl<A: Sum, B: Sum> Sum for (A, B) {
+    const ZERO: Self = (A::ZERO, B::ZERO);
+
+    #[inline(always)]
+    fn add(&mut self, term: Self) {
+        self.0.add(term.0);
+        self.1.add(term.1);
     }
 }
 

@@ -76,14 +76,9 @@ impl HeatDiffusion {
         if let Some(&value) = temperatures.iter().find(|x| !x.is_finite()) {
             return Err(ParameterError::range("temperature", value, "finite").into());
         }
-        let (means, parts) = (self.system.floating_means(temperatures), self.system.parts());
-        let about: Vec<f64> =
-            temperatures.iter().zip(parts).map(|(u, &p)| u - means[p as usize]).collect();
-        let heat: Vec<f64> = mass.times(&about).iter().map(|heat| self.scale * heat).collect();
-        let mut u = self.system.solve(&heat, &vec![0.0; expected])?;
-        for (u, &p) in u.iter_mut().zip(parts) {
-            *u += means[p as usize];
-        }
+        let heat = mass.times(temperatures);
+        let mut u = temperatures.to_vec();
+        self.system.solve(|v| [self.scale * heat[v]], u.as_chunks_mut().0)?;
         Ok(u)
     }
 }

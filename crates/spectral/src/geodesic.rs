@@ -231,7 +231,9 @@ impl HeatGeodesics {
                 }
             }
         }
-        let phi = self.poisson.solve(&phi, &vec![0.0; n])?;
+        let divergence = phi;
+        let mut phi = vec![0.0; n];
+        self.poisson.solve(|v| [divergence[v]], phi.as_chunks_mut().0)?;
         let mut at_sources = vec![(0.0, 0.0); self.components];
         for source in &sources {
             for (v, weight) in source.corners() {

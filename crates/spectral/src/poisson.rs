@@ -105,24 +105,11 @@ impl<'a> Poisson<'a> {
             }
         }
         let right = self.laplacian.mass().as_mass().times(f);
-        // Relative to one value of each component, so that a common offset costs no digits.
-        let parts = self.system.parts();
-        let mut base = vec![None; n];
-        for (&v, &value) in self.fixed.iter().zip(values) {
-            base[parts[v as usize] as usize].get_or_insert(value);
-        }
-        let base = |v: usize| base[parts[v] as usize].unwrap_or(0.0);
-        let mut given = vec![0.0; n];
-        for (&v, &value) in self.fixed.iter().zip(values) {
-            given[v as usize] = value - base(v as usize);
-        }
-        let mut u = self.system.solve(&right, &given)?;
-        for (v, u) in u.iter_mut().enumerate() {
-            *u += base(v);
-        }
+        let mut u = vec![0.0; n];
         for (&v, &value) in self.fixed.iter().zip(values) {
             u[v as usize] = value;
         }
+        self.system.solve(|v| [right[v]], u.as_chunks_mut().0)?;
         Ok(u)
     }
 }

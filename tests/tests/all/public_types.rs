@@ -78,7 +78,6 @@ all_shared!(
     // sparse
     fairing::sparse::Beyond,
     fairing::sparse::CgOptions,
-    fairing::sparse::CgWorkspace<3>,
     fairing::sparse::CgSolution<Vec<f64>>,
     fairing::sparse::ChebyshevSeries,
     fairing::sparse::Cholesky,
@@ -94,6 +93,7 @@ all_shared!(
     fairing::sparse::Ldlt,
     fairing::sparse::Mass<'static>,
     fairing::sparse::Ordering,
+    fairing::sparse::Solved,
     fairing::sparse::SparseError,
     fairing::sparse::SymbolicCholesky,
     fairing::sparse::Workload,

@@ -32,7 +32,7 @@ pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
 }
 
 /// `L` for cotangent weights of a chosen kind.
-pub(crate) fn cotangent(
+fn cotangent(
     mesh: &TriMesh,
     kind: LaplacianKind,
     area: LumpedArea,

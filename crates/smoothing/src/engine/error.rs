@@ -46,6 +46,18 @@ impl From<OperatorError> for FlowFailure {
     }
 }
 
+/// Maps a missed tolerance to a separate failure.
+impl From<SparseError> for FlowFailure {
+    fn from(error: SparseError) -> Self {
+        match error {
+            SparseError::NotConverged { residual, iterations, row } => {
+                Self::NotConverged { residual, iterations, vertex: row as u32 }
+            }
+            error => Self::NotFactored(error),
+        }
+    }
+}
+
 /// Reason for the failure of a step.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

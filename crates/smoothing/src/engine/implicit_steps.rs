@@ -1,132 +1,127 @@
-//! Consecutive implicit steps `(M + λS) x' = M x`, by conjugate gradients or a factorisation.
+//! Consecutive implicit steps `(M(1 + w) + tS) x' = M (x + w c)` with soft constraints of weights w
+//! and targets c.
 
-use fairing_sparse::GraphLaplacian;
 use fairing_sparse::parallel::update;
+use fairing_sparse::{GraphLaplacian, GraphSystem};
 
-use crate::engine::conjugate::{ImplicitSolver, Solved, Workspace};
 use crate::engine::constraints::Freedom;
-use crate::engine::direct::{self, Direct};
 use crate::engine::error::FlowFailure;
 use crate::engine::outcome::Approach;
-use crate::engine::parts::Parts;
 use crate::engine::run::StepNote;
-
-/// CG iterations before a step with sliding vertices, which cannot be factored, fails.
-const MAX_ITERATIONS: usize = 20_000;
-
-/// CG iterations before falling back to Cholesky.
-const ITERATIONS_BEFORE_FACTORING: usize = 2000;
 
 /// A solver for implicit steps of one length; the operator may change from step to step.
 pub(crate) struct ImplicitSteps {
-    /// The factor of `L`.
+    /// t, the factor of `L`.
     step: f64,
-    /// The relative residual.
-    tolerance: f64,
-    parts: Parts,
-    /// Sliding vertices couple the coordinates, which a factor of the scalar system cannot express.
-    may_factor: bool,
-    /// True if all systems are factored, because that is faster.
-    factors_all: bool,
-    direct: Direct,
-    /// The displacement of the previous step, the initial guess of conjugate gradients.
-    displacement: Vec<[f64; 3]>,
-    workspace: Workspace,
-    /// CG iterations of all steps.
+    system: GraphSystem,
+    /// Iterations of conjugate gradients in all steps.
     iterations: usize,
+    factorisations: usize,
 }
 
 impl ImplicitSteps {
-    /// Prepares steps with the factor `step` of `L`, whose spectral bound is `bound`; each operator
-    /// serves `solves` steps.
+    /// Prepares steps with the factor `step` of `L`, solved to the relative residual `tolerance`;
+    /// each operator serves `solves` steps.
     pub(crate) fn new(
-        laplacian: &GraphLaplacian,
+        laplacian: GraphLaplacian,
         freedom: &Freedom,
         step: f64,
         tolerance: f64,
-        bound: f64,
         solves: usize,
     ) -> Self {
-        let may_factor = freedom.sliding.is_none();
-        Self {
-            step,
-            tolerance,
-            parts: Parts::new(laplacian, freedom),
-            may_factor,
-            factors_all: may_factor && direct::pays(laplacian, step, bound, tolerance, solves),
-            direct: Direct::default(),
-            displacement: vec![[0.0; 3]; laplacian.len()],
-            workspace: Workspace::default(),
-            iterations: 0,
-        }
+        // A vertex without an equation: fixed, or isolated and not drawn anywhere.
+        let stays =
+            |i: usize| freedom.fixed[i] || laplacian.is_fixed(i) && freedom.pull(i).0 == 0.0;
+        let given: Vec<bool> = (0..laplacian.len()).map(stays).collect();
+        let diagonal = diagonal(&laplacian, freedom);
+        let system =
+            GraphSystem::to_tolerance(laplacian, step, diagonal, &given, tolerance, solves);
+        Self { step, system, iterations: 0, factorisations: 0 }
     }
 
-    /// Discards the factor after a change of the operator.
-    pub(crate) fn operator_changed(&mut self) {
-        self.direct.forget_factor();
+    /// Changes the operator.
+    pub(crate) fn update<T>(
+        &mut self,
+        freedom: &Freedom,
+        change: impl FnOnce(&mut GraphLaplacian) -> Result<T, FlowFailure>,
+    ) -> Result<T, FlowFailure> {
+        self.system.update(|laplacian, added| {
+            let changed = change(laplacian)?;
+            *added = diagonal(laplacian, freedom);
+            Ok(changed)
+        })
     }
 
-    /// Starts the next solve from zero.
-    pub(crate) fn forget_displacement(&mut self) {
-        self.displacement.fill([0.0; 3]);
-    }
-
-    /// Takes one step from `x` to `next`.
+    /// Takes one step from `x`; `next` holds the positions before the previous step and receives
+    /// those after this one. The initial guess repeats the displacement of the previous step.
     pub(crate) fn step(
         &mut self,
-        laplacian: &GraphLaplacian,
         x: &[[f64; 3]],
         freedom: &Freedom,
         next: &mut [[f64; 3]],
     ) -> Result<StepNote, FlowFailure> {
-        self.step_on(laplacian, x, freedom, false, next)
-    }
-
-    /// Takes one step as [`Self::step`] does; a `hard` system, from thin faces, is factored at
-    /// once.
-    pub(crate) fn step_on(
-        &mut self,
-        laplacian: &GraphLaplacian,
-        x: &[[f64; 3]],
-        freedom: &Freedom,
-        hard: bool,
-        next: &mut [[f64; 3]],
-    ) -> Result<StepNote, FlowFailure> {
-        let Solved { iterations, residual } = self.solve(laplacian, x, freedom, hard)?;
-        self.iterations += iterations;
-        let d = &self.displacement;
-        update(next, |i, _| ([x[i][0] + d[i][0], x[i][1] + d[i][1], x[i][2] + d[i][2]], ()));
-        Ok(StepNote { step_size: self.step, residual: Some(residual) })
-    }
-
-    fn solve(
-        &mut self,
-        laplacian: &GraphLaplacian,
-        x: &[[f64; 3]],
-        freedom: &Freedom,
-        hard: bool,
-    ) -> Result<Solved, FlowFailure> {
-        let Self { step, tolerance, .. } = *self;
-        let max_iterations =
-            if self.may_factor { ITERATIONS_BEFORE_FACTORING } else { MAX_ITERATIONS };
-        let solver =
-            ImplicitSolver { laplacian, parts: &self.parts, step, tolerance, max_iterations };
-        let displacement = &mut self.displacement;
-        if !self.may_factor || !(hard || self.factors_all) {
-            let solved = solver.solve(x, freedom, displacement, &mut self.workspace);
-            if solved.is_ok() || !self.may_factor {
-                return solved;
+        let laplacian = self.system.laplacian();
+        update(next, |i, before| {
+            if laplacian.is_fixed(i) {
+                return (x[i], ());
             }
-        }
-        self.direct.solve(solver, x, freedom, displacement)
+            let d = freedom.project(i, [0, 1, 2].map(|k| x[i][k] - before[k]));
+            ([0, 1, 2].map(|k| x[i][k] + d[k]), ())
+        });
+        let mass = laplacian.mass();
+        let right = |i: usize| {
+            let ((w, c), m) = (freedom.pull(i), mass[i]);
+            [0, 1, 2].map(|k| m * (x[i][k] + w * c[k]))
+        };
+        let solved = match &freedom.sliding {
+            None => self.system.solve(right, next),
+            Some(sliding) => self.system.solve_along(right, next, |i, d| sliding.project(i, d)),
+        }?;
+        self.iterations += solved.iterations;
+        self.factorisations += usize::from(solved.factorised);
+        Ok(StepNote { step_size: self.step, residual: Some(solved.residual) })
     }
 
     /// The method used.
     pub(crate) fn approach(&self) -> Approach {
-        if self.factors_all {
-            Approach::Cholesky { factorisations: self.direct.factorisations }
-        } else {
+        if self.iterations > 0 || self.factorisations == 0 {
             Approach::ConjugateGradients { iterations: self.iterations }
+        } else {
+            Approach::Cholesky { factorisations: self.factorisations }
         }
+    }
+}
+
+/// `M(1 + w)`.
+fn diagonal(laplacian: &GraphLaplacian, freedom: &Freedom) -> Vec<f64> {
+    let masses = laplacian.mass().iter().enumerate();
+    masses.map(|(i, m)| m * (1.0 + freedom.pull(i).0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::arrangement::Arrangement;
+    use crate::engine::assemble::assemble;
+    use crate::engine::constraints::Constraints;
+    use crate::engine::diffusion::Diffusion;
+
+    /// Ten steps of a constant operator are factored if they are long and iterated if they are
+    /// short.
+    #[test]
+    fn conditioning_decides() {
+        let mesh = fairing_shapes::icosphere(5);
+        let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::NONE).unwrap();
+        let h2 = mesh.mean_edge_length().powi(2);
+        let diffusion = Diffusion::cotangent(1.0).chosen(&mesh).unwrap().0;
+        let is_factored = |lambda: f64, solves| {
+            let laplacian = assemble(&mesh, diffusion, &freedom.fixed).unwrap();
+            let mut steps = ImplicitSteps::new(laplacian, &freedom, lambda * h2, 1e-8, solves);
+            let mut next = mesh.positions().to_vec();
+            steps.step(mesh.positions(), &freedom, &mut next).unwrap();
+            matches!(steps.approach(), Approach::Cholesky { .. })
+        };
+        assert!(!is_factored(1.0, 1) && !is_factored(0.1, 10));
+        assert!(is_factored(100.0, 10) && is_factored(1e4, 1));
     }
 }

@@ -3,15 +3,12 @@
 
 pub(crate) mod arrangement;
 pub(crate) mod assemble;
-pub(crate) mod conjugate;
 pub(crate) mod constraints;
 pub(crate) mod diffusion;
-pub(crate) mod direct;
 pub(crate) mod error;
 pub(crate) mod implicit_steps;
 pub(crate) mod linear;
 pub(crate) mod outcome;
-pub(crate) mod parts;
 pub(crate) mod resolvent;
 pub(crate) mod response;
 pub(crate) mod run;

@@ -15,13 +15,10 @@
 //! like powers of `tan(π/2p) + 1/cos(π/2p)`: 31 terms for p = 1 to 4, 250 for p = 16. R is factored
 //! once, and every mode is accurate however large t or small c is.
 
-use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
+use fairing_mesh::TriMesh;
+use fairing_sparse::{ChebyshevSeries, GraphLaplacian, GraphSystem};
 
-use crate::engine::conjugate::{ImplicitSolver, Solved};
-use crate::engine::constraints::Freedom;
-use crate::engine::direct::Direct;
 use crate::engine::error::FlowFailure;
-use crate::engine::parts::Parts;
 use crate::engine::response::Response;
 use crate::engine::series::TOLERANCE;
 
@@ -70,45 +67,52 @@ impl Resolvent {
         self.coefficients.len() - 1
     }
 
-    /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual.
+    /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual. `mesh` is in
+    /// the order of the Laplacian.
     pub(crate) fn apply(
         &self,
-        laplacian: &GraphLaplacian,
-        freedom: &Freedom,
-        x: &[Point],
+        laplacian: GraphLaplacian,
+        mesh: &TriMesh,
     ) -> Result<(Vec<Point>, f64), FlowFailure> {
-        let parts = &Parts::new(laplacian, freedom);
-        let (step, tolerance) = (self.step, RESIDUAL);
-        let solver = ImplicitSolver { laplacian, parts, step, tolerance, max_iterations: 0 };
-        let mut direct = Direct::default();
+        let (x, degree) = (mesh.positions(), self.degree());
+        let fixed: Vec<bool> = (0..x.len()).map(|i| laplacian.is_fixed(i)).collect();
+        let mass = laplacian.mass().to_vec();
+        let resolvent =
+            GraphSystem::to_tolerance(laplacian, self.step, mass, &fixed, RESIDUAL, degree);
+        let mass = resolvent.laplacian().mass();
+        // Filters keep constants, so positions are taken about one of each component.
+        let components = mesh.topology().components();
+        let mut origins = vec![None; components.count()];
+        let label = |i: usize| components.label(i as u32).map(|label| label as usize);
+        for i in (0..x.len()).rev() {
+            if let Some(label) = label(i) {
+                origins[label] = Some(x[i]);
+            }
+        }
+        let origin = |i: usize| label(i).and_then(|label| origins[label]).unwrap_or(x[i]);
+        let about = |i: usize| {
+            let o = origin(i);
+            [0, 1, 2].map(|k| x[i][k] - o[k])
+        };
+        let (mut last, mut before) = (vec![[0.0; 3]; x.len()], vec![[0.0; 3]; x.len()]);
         let mut worst = 0.0f64;
-        // Filters do not move the centre of a part, so positions are taken about it.
-        let centres = parts.centres(laplacian.mass(), x, freedom);
-        let about: Vec<Point> = x
-            .iter()
-            .enumerate()
-            .map(|(i, x)| [0, 1, 2].map(|k| x[k] - centres[parts.part(i)][k]))
-            .collect();
-        let n = x.len();
-        let (mut last, mut before) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-        let mut displacement = vec![[0.0; 3]; n];
         for (k, c) in self.coefficients.iter().enumerate().rev() {
             let twice = if k == 0 { 1.0 } else { 2.0 };
-            displacement.fill([0.0; 3]);
-            if k < self.degree() {
-                let solved: Solved = direct.solve(solver, &last, freedom, &mut displacement)?;
-                worst = worst.max(solved.residual);
+            let mut image = last.clone();
+            if k < degree {
+                let right = |i: usize| last[i].map(|x| mass[i] * x);
+                worst = worst.max(resolvent.solve(right, &mut image)?.residual);
             }
-            // T b = 2 R b − b = b + 2 d.
+            // T b = 2 R b − b.
             for (i, before) in before.iter_mut().enumerate() {
-                let (a, b, d) = (about[i], last[i], displacement[i]);
-                *before = [0, 1, 2].map(|k| c * a[k] + twice * (b[k] + 2.0 * d[k]) - before[k]);
+                let (a, b, r) = (about(i), last[i], image[i]);
+                *before = [0, 1, 2].map(|k| c * a[k] + twice * (2.0 * r[k] - b[k]) - before[k]);
             }
             std::mem::swap(&mut last, &mut before);
         }
         for (i, p) in last.iter_mut().enumerate() {
-            let centre = centres[parts.part(i)];
-            *p = if laplacian.is_fixed(i) { x[i] } else { [0, 1, 2].map(|k| p[k] + centre[k]) };
+            let o = origin(i);
+            *p = if fixed[i] { x[i] } else { [0, 1, 2].map(|k| p[k] + o[k]) };
         }
         Ok((last, worst))
     }

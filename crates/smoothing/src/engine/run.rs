@@ -4,11 +4,13 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{OperatorError, check_faces};
-use fairing_sparse::larger;
+use fairing_sparse::{GraphLaplacian, larger};
 use glam::DVec3;
 
 use crate::engine::arrangement::Arrangement;
+use crate::engine::assemble::assemble;
 use crate::engine::constraints::{Constraints, Freedom};
+use crate::engine::diffusion::Diffusion;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Report, Smoothed};
 use crate::engine::volume::{SizeKeeper, Volume};
@@ -94,6 +96,21 @@ impl<'a, 'o> Run<'a, 'o> {
             iterations: settings.iterations,
             report: Report::default(),
         })
+    }
+
+    /// Chooses the kind of Laplacian for the input; the report names the face that decided.
+    pub(crate) fn choose(&mut self, diffusion: Diffusion) -> Result<Diffusion, FlowError> {
+        let chosen = diffusion.chosen(self.input);
+        let (diffusion, too_thin) = chosen.map_err(|failure| failure.before(self.input))?;
+        self.report.too_thin = too_thin;
+        Ok(diffusion)
+    }
+
+    /// The Laplacian of the input, in the order of the arrangement.
+    pub(crate) fn laplacian(&mut self, diffusion: Diffusion) -> Result<GraphLaplacian, FlowError> {
+        let diffusion = self.choose(diffusion)?;
+        assemble(self.arrangement.mesh(), diffusion, &self.freedom.fixed)
+            .map_err(|failure| self.refuse(failure))
     }
 
     /// Returns true if the run has no observer and its steps are linear in the positions, so that

@@ -7,7 +7,6 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::ThinFaces;
-use fairing_sparse::GraphLaplacian;
 use fairing_sparse::parallel::CHUNK;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -43,15 +42,15 @@ fairing_parameters::choices!(Update, "update of the operator",
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Update);
 
-/// Takes implicit steps of the factor `step` of `L`, which is updated before each of them;
-/// `diffusion` is of a [chosen](Diffusion::chosen) kind.
+/// Takes implicit steps of the factor `step` of `L`, which is updated before each of them.
 pub(crate) fn advance_updated(
-    run: Run<'_, '_>,
+    mut run: Run<'_, '_>,
     diffusion: Diffusion,
     update: Update,
     step: f64,
     tolerance: f64,
 ) -> Result<Smoothed, FlowError> {
+    let diffusion = run.choose(diffusion)?;
     let begun = Updated::new(&run, diffusion, update, step, tolerance);
     let mut flow = begun.map_err(|failure| run.refuse(failure))?;
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
@@ -67,7 +66,6 @@ pub(crate) fn advance_updated(
 /// State of a flow with an updated operator.
 struct Updated {
     diffusion: Diffusion,
-    laplacian: GraphLaplacian,
     /// For a stiffness that is updated too.
     assembler: Option<Assembler>,
     steps: ImplicitSteps,
@@ -95,14 +93,13 @@ impl Updated {
         let (mesh, freedom) = (run.arrangement.mesh(), &run.freedom);
         let mut assembler = Assembler::new(mesh, diffusion, &freedom.fixed)?;
         let laplacian = assembler.assemble(mesh, &freedom.fixed)?;
-        let bound = laplacian.spectral_bound();
         // A factor serves one step.
-        let steps = ImplicitSteps::new(&laplacian, freedom, step, tolerance, bound, 1);
+        let steps = ImplicitSteps::new(laplacian, freedom, step, tolerance, 1);
         let areas: Vec<f64> = areas(mesh.faces(), mesh.positions()).collect();
         let assembler = (update == Update::Both).then_some(assembler);
         let flattened = vec![false; if assembler.is_some() { mesh.face_count() } else { 0 }];
         let area = areas.iter().sum();
-        Ok(Self { diffusion, laplacian, assembler, steps, areas, area, flattened })
+        Ok(Self { diffusion, assembler, steps, areas, area, flattened })
     }
 
     fn step(
@@ -120,7 +117,7 @@ impl Updated {
             && iteration > 0
             && self.assembler.is_some()
         {
-            self.steps.forget_displacement();
+            next.copy_from_slice(mesh.positions());
             return self.attempt(iteration, mesh, freedom, next, ThinFaces::WidenNearly);
         }
         taken
@@ -134,32 +131,35 @@ impl Updated {
         next: &mut [[f64; 3]],
         thin: ThinFaces,
     ) -> Result<StepNote, FlowFailure> {
-        let hard = iteration > 0 && self.reassemble(mesh, freedom, thin)?;
-        let note = self.steps.step_on(&self.laplacian, mesh.positions(), freedom, hard, next)?;
+        if iteration > 0 {
+            self.reassemble(mesh, freedom, thin)?;
+        }
+        let note = self.steps.step(mesh.positions(), freedom, next)?;
         self.check(mesh.faces(), next)?;
         Ok(note)
     }
 
-    /// Reassembles the operator at the positions of `mesh`. Returns true if faces are too thin for
-    /// cotangents, which makes the system ill-conditioned within an otherwise easy run.
+    /// Reassembles the operator at the positions of `mesh`.
     fn reassemble(
         &mut self,
         mesh: &TriMesh,
         freedom: &Freedom,
         thin: ThinFaces,
-    ) -> Result<bool, FlowFailure> {
-        self.steps.operator_changed();
-        let Some(assembler) = &mut self.assembler else {
-            if let Diffusion::Cotangent { kind, area, .. } = self.diffusion {
-                self.laplacian.replace_mass(mass(mesh, kind, area)?);
+    ) -> Result<(), FlowFailure> {
+        let Self { diffusion, assembler, .. } = self;
+        let faces = self.steps.update(freedom, |laplacian| {
+            if let Some(assembler) = assembler {
+                return assembler.reassemble(mesh, &freedom.fixed, laplacian, thin);
             }
-            return Ok(false);
-        };
-        let faces = assembler.reassemble(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
-        for &f in &faces {
+            if let Diffusion::Cotangent { kind, area, .. } = *diffusion {
+                laplacian.replace_mass(mass(mesh, kind, area)?);
+            }
+            Ok(Vec::new())
+        })?;
+        for f in faces {
             self.flattened[f as usize] = true;
         }
-        Ok(!faces.is_empty())
+        Ok(())
     }
 
     /// Refuses a step that leaves almost nothing of the mesh.

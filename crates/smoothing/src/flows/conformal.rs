@@ -82,7 +82,6 @@ pub fn conformalized_mean_curvature_flow(
     let step = options.time * area;
     let (kind, areas) = (options.kind, LumpedArea::Barycentric);
     let diffusion = Diffusion::Cotangent { time: Time::SquaredUnits(step), kind, area: areas };
-    let (diffusion, too_thin) = diffusion.chosen(mesh).map_err(refuse)?;
     let threshold = options.settled * area.sqrt();
     let mut observer = observer;
     let mut watch = |step: &Step<'_>| {
@@ -99,7 +98,6 @@ pub fn conformalized_mean_curvature_flow(
     };
     let free = Constraints::default();
     let settings = RunSettings { keep_area: true, ..RunSettings::new(&free, options.iterations) };
-    let mut run = Run::new(mesh, &settings, Some(&mut watch))?;
-    run.report.too_thin = too_thin;
+    let run = Run::new(mesh, &settings, Some(&mut watch))?;
     advance_updated(run, diffusion, Update::Mass, step, options.tolerance)
 }

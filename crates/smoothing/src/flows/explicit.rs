@@ -1,13 +1,14 @@
 //! Explicit diffusion, forward Euler.
 
+use std::ops::ControlFlow;
+
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
 
-use crate::engine::assemble::assemble;
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, LAMBDA, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::advance;
+use crate::engine::linear::{at_once, explicit_steps};
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::response::{Stability, measured_limit, uniform_limit};
@@ -100,11 +101,7 @@ pub fn explicit(
         ..RunSettings::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &settings, observer)?;
-    let (diffusion, too_thin) =
-        options.diffusion.chosen(mesh).map_err(|failure| run.refuse(failure))?;
-    run.report.too_thin = too_thin;
-    let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.fixed)
-        .map_err(|failure| run.refuse(failure))?;
+    let laplacian = run.laplacian(options.diffusion)?;
     let bound = laplacian.spectral_bound();
     // Uniform steps up to 1 are stable on every mesh, so its topology is not needed.
     let limit = match options.diffusion {
@@ -118,5 +115,9 @@ pub fn explicit(
             return Err(run.refuse(FlowFailure::Unstable { step, limit }));
         }
     }
-    advance(run, &laplacian, bound, Response::Explicit { step, steps: options.iterations }, 0.0)
+    let response = Response::Explicit { step, steps: options.iterations };
+    match at_once(run, &laplacian, response, || bound) {
+        ControlFlow::Break(smoothed) => smoothed,
+        ControlFlow::Continue(run) => explicit_steps(run, &laplacian, &[step]),
+    }
 }

@@ -1,13 +1,15 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
+use std::ops::ControlFlow;
+
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 
-use crate::engine::assemble::assemble;
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::advance;
+use crate::engine::implicit_steps::ImplicitSteps;
+use crate::engine::linear::at_once;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::Observer;
@@ -105,23 +107,29 @@ pub fn implicit(
     options: &Implicit,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    let before = |failure: FlowFailure| failure.before(mesh);
-    check(options).map_err(before)?;
-    let (diffusion, too_thin) = options.diffusion.chosen(mesh).map_err(before)?;
-    let step = diffusion.factor(mesh);
+    check(options).map_err(|failure| failure.before(mesh))?;
+    let (step, tolerance) = (options.diffusion.factor(mesh), options.tolerance);
     let settings = RunSettings {
         volume: options.volume,
         ..RunSettings::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &settings, observer)?;
-    run.report.too_thin = too_thin;
     if options.update != Update::Never {
-        return advance_updated(run, diffusion, options.update, step, options.tolerance);
+        return advance_updated(run, options.diffusion, options.update, step, tolerance);
     }
-    let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.fixed)
-        .map_err(|failure| run.refuse(failure))?;
+    let laplacian = run.laplacian(options.diffusion)?;
     let response = Response::Implicit { step, steps: options.iterations };
-    advance(run, &laplacian, laplacian.spectral_bound(), response, options.tolerance)
+    let run = match at_once(run, &laplacian, response, || laplacian.spectral_bound()) {
+        ControlFlow::Break(smoothed) => return smoothed,
+        ControlFlow::Continue(run) => run,
+    };
+    // (M(1 + w) + λS) x' = M (x + w c)
+    let mut steps =
+        ImplicitSteps::new(laplacian, &run.freedom, step, tolerance, options.iterations);
+    let mut smoothed =
+        run.iterate(|_, mesh, freedom, next| steps.step(mesh.positions(), freedom, next))?;
+    smoothed.report.approach = steps.approach();
+    Ok(smoothed)
 }
 
 fn check(options: &Implicit) -> Result<(), FlowFailure> {

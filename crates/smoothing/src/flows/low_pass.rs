@@ -1,18 +1,18 @@
 //! Spectral low-pass filters.
 
-use std::ops::Bound;
+use std::ops::{Bound, ControlFlow};
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
 use fairing_parameters::{Field, Kind, Options, Parameter, ParameterError, Range, Value, Values};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
-use crate::engine::assemble::cotangent;
 use crate::engine::constraints::{Constraints, SOFT};
-use crate::engine::diffusion::{TIME, Time, check_areas, chosen};
+use crate::engine::diffusion::{Diffusion, TIME, Time, check_areas, chosen};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::advance;
+use crate::engine::linear::at_once;
 use crate::engine::outcome::{Approach, Report, Smoothed};
+use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
 
@@ -175,11 +175,9 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
     }
     let mut run = Run::new(mesh, &RunSettings::new(&options.constraints, 1), None)?;
-    let (kind, too_thin) =
-        chosen(mesh, options.kind, options.area).map_err(|failure| run.refuse(failure))?;
-    run.report.too_thin = too_thin;
-    let laplacian = cotangent(run.arrangement.mesh(), kind, options.area, &run.freedom.fixed)
-        .map_err(|failure| run.refuse(failure))?;
+    // A filter takes no step.
+    let (time, kind, area) = (Time::SquaredUnits(0.0), options.kind, options.area);
+    let laplacian = run.laplacian(Diffusion::Cotangent { time, kind, area })?;
     let response = match options.transfer {
         Transfer::Butterworth { cutoff, order } => Response::Butterworth { cutoff, order },
         Transfer::Heat(time) => {
@@ -187,7 +185,21 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         }
         Transfer::Modes(_) => Response::Heat { time: 0.0 },
     };
-    advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
+    let mut run = match at_once(run, &laplacian, response, || laplacian.spectral_bound()) {
+        ControlFlow::Break(smoothed) => return smoothed,
+        ControlFlow::Continue(run) => run,
+    };
+    let Some(resolvent) = Resolvent::expand(response).filter(|_| run.is_linear()) else {
+        let reason = "a low-pass filter supports free and pinned vertices only";
+        return Err(run.refuse(FlowFailure::Unsupported { reason }));
+    };
+    let (x, residual) = resolvent
+        .apply(laplacian, run.arrangement.mesh())
+        .map_err(|failure| run.refuse(failure))?;
+    run.report.iterations = 1;
+    run.report.approach = Approach::Resolvent { degree: resolvent.degree() };
+    run.report.worst_residual = Some(residual);
+    run.finish(x)
 }
 
 /// Reconstructs the mesh from its `k` smoothest modes.

@@ -1,12 +1,14 @@
 //! Taubin's λ|μ smoothing.
 
+use std::ops::ControlFlow;
+
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Kind, Options, Parameter, ParameterError, Range};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::advance;
+use crate::engine::linear::{at_once, explicit_steps};
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::response::Stability;
@@ -120,7 +122,10 @@ pub fn taubin(
     }
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     // 2 is the spectral bound for uniform weights.
-    advance(run, &laplacian, 2.0, of, 0.0)
+    match at_once(run, &laplacian, of, || 2.0) {
+        ControlFlow::Break(smoothed) => smoothed,
+        ControlFlow::Continue(run) => explicit_steps(run, &laplacian, &[lambda, mu]),
+    }
 }
 
 fn check(options: &Taubin) -> Result<(), FlowFailure> {

@@ -282,6 +282,18 @@ impl Cholesky {
         self.factor.solve_points(b);
     }
 
+    /// `b` ← A⁻¹ b for some columns.
+    pub(crate) fn solve_columns<const N: usize>(&self, b: &mut [[f64; N]]) {
+        match N {
+            1 => self.solve_in_place(b.as_flattened_mut()),
+            3 => self.solve_points_in_place(b.as_flattened_mut().as_chunks_mut().0),
+            _ => self
+                .factor
+                .solve_permuted::<N>(|row, lanes| *lanes = b[row])
+                .zip_order(&self.factor.analysis.order, |row, lanes| b[row] = *lanes),
+        }
+    }
+
     /// X with A X = B for an `n × k` block.
     ///
     /// # Panics

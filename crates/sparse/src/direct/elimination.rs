@@ -83,8 +83,8 @@ impl Elimination {
     }
 
     /// Overwrites `b` with the solution.
-    pub(crate) fn solve_in_place(&self, b: &mut [f64]) {
-        let mut x: Vec<f64> = self.order.iter().map(|&row| b[row as usize]).collect();
+    pub(crate) fn solve_in_place<const N: usize>(&self, b: &mut [[f64; N]]) {
+        let mut x: Vec<[f64; N]> = self.order.iter().map(|&row| b[row as usize]).collect();
         let row = |k: usize| {
             let range = self.starts[k]..self.starts[k + 1];
             self.columns[range.clone()].iter().zip(&self.fractions[range])
@@ -92,13 +92,17 @@ impl Elimination {
         for k in 0..x.len() {
             let own = x[k];
             for (&i, fraction) in row(k) {
-                x[i as usize] += fraction * own;
+                for (x, own) in x[i as usize].iter_mut().zip(own) {
+                    *x += fraction * own;
+                }
             }
         }
         for k in (0..x.len()).rev() {
-            let mut value = x[k] / self.pivots[k];
+            let mut value = x[k].map(|x| x / self.pivots[k]);
             for (&i, fraction) in row(k) {
-                value += fraction * x[i as usize];
+                for (value, x) in value.iter_mut().zip(x[i as usize]) {
+                    *value += fraction * x;
+                }
             }
             x[k] = value;
         }
@@ -143,11 +147,11 @@ mod tests {
         let mut order: Vec<u32> = (0..n as u32).filter(|i| i % 3 == 1).collect();
         order.extend((0..n as u32).filter(|i| i % 3 != 1));
         let factor = Elimination::new(order, row, held).unwrap();
-        let mut x = vec![0.0; n];
-        x[n - 1] = 1.0;
+        let mut x = vec![[0.0]; n];
+        x[n - 1] = [1.0];
         factor.solve_in_place(&mut x);
         let mut exact = 1e30;
-        for (k, x) in x.iter().enumerate() {
+        for (k, [x]) in x.iter().enumerate() {
             assert!((x / exact - 1.0).abs() < 1e-13, "{k}: {x:e} {exact:e}");
             exact += 1.0 / weight(k);
         }

@@ -9,7 +9,6 @@ mod dense;
 mod dissection;
 mod elimination;
 pub(crate) mod factor;
-mod graph_system;
 pub(crate) mod ldlt;
 mod multifrontal;
 pub(crate) mod ordering;
@@ -19,7 +18,7 @@ mod sweeps;
 mod symmetry;
 
 pub use cholesky::{Cholesky, SymbolicCholesky};
-pub use graph_system::GraphSystem;
+pub(crate) use elimination::Elimination;
 pub use ldlt::{Inertia, Ldlt};
 pub use ordering::Ordering;
 pub use solver_choice::Workload;

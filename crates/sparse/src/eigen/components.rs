@@ -11,6 +11,7 @@ use std::hash::{DefaultHasher, Hasher};
 
 use ndarray::Array2;
 
+use crate::components::components;
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
 use crate::eigen::{Beyond, EigenOptions, EigenPairs};
@@ -375,31 +376,14 @@ fn groups(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<u32>> {
         Mass::Lumped(_) => None,
         Mass::Consistent(matrix) => Some(Rows::new(matrix)),
     };
-    let mut seen = vec![false; s.count()];
-    let mut groups = vec![];
-    for seed in 0..s.count() {
-        if seen[seed] {
-            continue;
-        }
-        seen[seed] = true;
-        let mut group = vec![seed as u32];
-        let mut next = 0;
-        while next < group.len() {
-            let row = group[next] as usize;
-            next += 1;
-            for (columns, values) in
-                std::iter::once(s.row(row)).chain(m.as_ref().map(|m| m.row(row)))
-            {
-                for (&j, &v) in columns.iter().zip(values) {
-                    if v != 0.0 && !seen[j as usize] {
-                        seen[j as usize] = true;
-                        group.push(j);
-                    }
-                }
-            }
-        }
-        group.sort_unstable();
-        groups.push(group);
+    let neighbors = |i: usize| {
+        let coupled = m.iter().flat_map(move |m| m.nonzeros(i));
+        s.nonzeros(i).chain(coupled)
+    };
+    let (count, label) = components(s.count(), |_| false, neighbors);
+    let mut groups = vec![vec![]; count];
+    for (row, label) in label.into_iter().enumerate() {
+        groups[label as usize].push(row as u32);
     }
     groups
 }

@@ -1,5 +1,6 @@
 //! Exact zero modes: the constants of each component that S maps to zero.
 
+use crate::components::components;
 use crate::matrix::Rows;
 
 /// A row sum counts as zero within this many ε, per entry, of the sum of the absolute entries:
@@ -10,29 +11,10 @@ const ROUNDINGS: f64 = 4.0;
 /// The component of every row in the graph of S, numbered by first row, or `None` if a row of the
 /// component has a nonzero sum (pinned rows, potentials).
 pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
-    let n = rows.count();
-    let mut component = vec![u32::MAX; n];
-    let mut constant = vec![];
-    let mut stack = vec![];
-    for seed in 0..n {
-        if component[seed] != u32::MAX {
-            continue;
-        }
-        let number = constant.len() as u32;
-        let mut balanced = true;
-        component[seed] = number;
-        stack.push(seed);
-        while let Some(i) = stack.pop() {
-            let (columns, values) = rows.row(i);
-            balanced &= row_sum(values) == 0.0;
-            for (&j, &v) in columns.iter().zip(values) {
-                if v != 0.0 && component[j as usize] == u32::MAX {
-                    component[j as usize] = number;
-                    stack.push(j as usize);
-                }
-            }
-        }
-        constant.push(balanced);
+    let (count, component) = components(rows.count(), |_| false, |i| rows.nonzeros(i));
+    let mut constant = vec![true; count];
+    for (i, &component) in component.iter().enumerate() {
+        constant[component as usize] &= row_sum(rows.row(i).1) == 0.0;
     }
     let mut count = 0;
     let names: Vec<Option<u32>> = constant

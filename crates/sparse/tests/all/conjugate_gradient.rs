@@ -63,7 +63,7 @@ fn failures_are_errors() {
     let cg = ConjugateGradient::new(&definite).unwrap();
     assert!(matches!(
         cg.solve(&b, None, &CgOptions { max_iterations: 2, ..options }),
-        Err(SparseError::NotConverged { iterations: 2, residual }) if residual > 1e-10
+        Err(SparseError::NotConverged { iterations: 2, residual, .. }) if residual > 1e-10
     ));
     assert_eq!(
         cg.solve(&b[..7], None, &options).unwrap_err(),
