@@ -165,7 +165,7 @@ impl GraphSystem {
     fn choose(&mut self, tolerance: f64) {
         let Equations { laplacian, step, added, parts, .. } = &self.equations;
         let ratio = |_, i: usize| {
-            (if parts.is_given(i) { [0.0] } else { [step * laplacian.diagonal()[i] / added[i]] })
+            if parts.is_given(i) { [0.0] } else { [step * laplacian.diagonal()[i] / added[i]] }
         };
         let largest = parts.largest(ratio).into_iter().flatten().fold(0.0, larger);
         let work = Workload {
