@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn placeholders_are_filled_and_bounds_rounded_outwards() {
-        let values = values! { ratio: 6.871, mesh: "torus", left: 0.125 };
+        let values = values! { ratio: 6.871, mesh: "torus", left: 0.127 };
         let text = TEXT.say("method", values).unwrap();
         assert_eq!(text, "At least 6.8, at most 6.9.\n\ntorus: 13 %.");
         let error = format!("{:#}", TEXT.say("method", &[]).unwrap_err());

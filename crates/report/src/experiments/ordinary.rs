@@ -37,8 +37,8 @@ type Case = (Sample, Layout, u32, f64);
 /// [`NormalWeight::ALL`].
 type Angles = [f64; NormalWeight::ALL.len()];
 
-/// The errors of all estimators, how each compares with the best of the others on each mesh, and how
-/// each weight of vertex normals compares with the best.
+/// The errors of all estimators, their comparison with the best of the others on each mesh, and the
+/// comparison of each weight of vertex normals with the best.
 pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
     let mut cases: Vec<Case> = vec![];
     for sample in SURFACES {
