@@ -13,9 +13,9 @@ use glam::DVec3;
 use super::models::Model;
 use super::over_lambda::{self, Favourites, OverLambda, SWEPT, SWEPT_MESHES};
 use crate::experiment::outcome::{Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::section::{Act, Section};
-use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::row;
 
@@ -46,43 +46,28 @@ const MOVED: f64 = LAMBDAS[4];
 /// steps compared.
 const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
 
+/// Words for a whole shape that shrinks.
+const SHRINKS: &str = "the whole shape shrinks, not the edges alone";
+
 /// A growth of the diagonal above one by more than this is an instability, not rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// An RMS displacement below this, in mean edge lengths, is invisible.
 const INVISIBLE: f64 = 0.05;
 
-/// The section of the article.
-fn section() -> Section {
-    Section::new(
-        Act::Diffusion,
-        "Implicit steps divide instead of multiplying, and every step is stable. Whether long steps are \
-                useful is another question.",
-    )
-    .commands(&["fairing smooth noisy.ply -o smooth.ply --method implicit --lambda 5 --iterations 10", "fairing compare smooth.ply truth.ply"])
-    .edge_lengths_of("the mesh without noise, the truth")
-    .sources(&["desbrun1999"])
-    .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
-    .shows(&["sweep", "machine-part"], &[])
-    .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part, to turn and to smooth"), ("cube-view", "the cube"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
-}
+static TEXT: Text = Text::new("q6", include_str!("../../text/q6.md"));
 
 impl Experiment for ImplicitFlow {
     fn card(&self) -> Card {
         let [few, many] = COMPARED;
-        Card {
-            id: "q6",
-            title: "Implicit smoothing",
-            question: "Implicit diffusion (I − λL)x' = x (Desbrun et al. 1999, eq. 9): what do λ and the number of iterations do, and how does it compare with explicit steps?".into(),
-            method: format!(
-                "Each step solves a linear system whose matrix, D − λ(W − D), is symmetric and positive definite. Each mode is divided by 1 − λμ ≥ 1, so that every λ is stable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance q lies q²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −q²/(2r²), with q² the mean squared edge length. So s steps multiply the radius by (1 + λq²/(2r²))⁻ˢ, and the volume by its cube.",
-                LAMBDAS.len()
-            ),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
-            inputs: over_lambda::INPUTS,
-            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
-        }
+        TEXT.card(
+            over_lambda::INPUTS,
+            over_lambda::parameters(&LAMBDAS, ITERATIONS),
+            values! {
+                values: LAMBDAS.len(), steps: ITERATIONS, claimed: CLAIMED, few, many,
+                explicit: EXPLICIT,
+            },
+        )
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
@@ -99,16 +84,12 @@ impl Experiment for ImplicitFlow {
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
         let best = Favourites::of(&sweep)?;
-        let to_see = match best.surface.iter().all(|best| best.lambda < CLAIMED) {
-            true => format!(
-                " The surface error rises again long before λ = {CLAIMED}, which the original report recommends."
-            ),
-            false => String::new(),
-        };
-        let caption = format!(
-            "{}{to_see} Errors after {ITERATIONS} implicit steps over λ, as long as there is a shape left.",
-            over_lambda::seen_in_plot(&best)
-        );
+        let mut rises = String::new();
+        if best.surface.iter().all(|best| best.lambda < CLAIMED) {
+            rises = format!(" {}", TEXT.say("rises", values! { claimed: CLAIMED })?);
+        }
+        let seen = over_lambda::seen_in_plot(&best);
+        let caption = TEXT.say("figure sweep", values! { seen, rises, steps: ITERATIONS })?;
         outcome.figures.push(over_lambda::plot(&sweep, over_lambda::IMPLICIT, &caption)?);
         context.progress(0.7, "iterations");
         for model in models.iter().filter(|m| m.name == "machine part") {
@@ -129,10 +110,6 @@ impl Experiment for ImplicitFlow {
         Ok(vec![stability(tables)?, convergence(tables)?])
     }
 }
-
-/// Claim 6a in words.
-const STABLE_AND_BEST: &str =
-    "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
 
 /// Claim 6a.
 fn stability(tables: Tables<'_>) -> Result<Judgement> {
@@ -161,32 +138,19 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         (false, false, false) => Verdict::Refuted,
         _ => Verdict::Qualified,
     };
-    let reason = format!(
-        "Implicit smoothing {}: over all λ above zero the diagonal is at most {} times as long after a run as before. {} At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. The best λ is the one with the least surface error, as in q5. {} At λ = {} the area of the patch has changed by {} %, which normals do not see.",
-        if stable { "is stable" } else { "is not stable" },
-        brief(growth),
-        if only_edges { "Only the edges deform." } else { "But not only the edges deform." },
-        brief(border),
-        brief(inside),
-        brief(closed),
-        brief(volume),
-        swept.words(ITERATIONS),
-        brief(blind),
-        brief(area),
-    );
-    let finding = format!(
-        "Implicit steps {}, but {}. After {ITERATIONS} steps the patch and the machine part are closest to the truth at λ = {} and {}, diffusion times {} and {}; the normals of the machine part at λ = {}.",
-        if stable { "are stable at every λ" } else { "are not always stable" },
-        if only_edges { "only edges move" } else { "the whole shape shrinks, not the edges alone" },
-        brief(best[0]),
-        brief(best[1]),
-        brief(best[0] * ITERATIONS as f64),
-        brief(best[1] * ITERATIONS as f64),
-        brief(swept.normals[1].lambda),
-    );
+    let [patch, part] = best;
+    let values = values! {
+        stable: if stable { "is stable" } else { "is not stable" },
+        at_every: if stable { "are stable at every λ" } else { "are not always stable" },
+        edges: if only_edges { "Only the edges deform." } else { "But not only the edges deform." },
+        whole: if only_edges { "only edges move" } else { SHRINKS },
+        growth, moved: MOVED, border, inside, closed, volume, swept: swept.words(ITERATIONS),
+        blind, area, steps: ITERATIONS, patch, part, patch_time: patch * ITERATIONS as f64,
+        part_time: part * ITERATIONS as f64, normals: swept.normals[1].lambda,
+    };
     let state = ViewState::at(&[4, 1]).field("displacement");
-    Ok(Judgement::new("6a", STABLE_AND_BEST, verdict, reason)
-        .finding(finding)
+    Ok(TEXT
+        .judgement("6a", verdict, values)?
         .shown(Shown::view("q6", "machine-part-view", &state))
         .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
         .number("largest growth", growth, Unit::One)
@@ -226,22 +190,12 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
         (false, true) => Verdict::Refuted,
         _ => Verdict::Qualified,
     };
-    let reason = format!(
-        "Between {few} and {many} implicit steps the vertices of the patch and of the machine part still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. (The cube is one after {few} steps.) At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the results are at most {} edge lengths apart, {} % of that distance. What looked like convergence was a longer diffusion: in the original report {} units of time beside {}.",
-        brief(least),
-        brief(apart),
-        brief(100.0 * ratio),
-        brief(few as f64 * CLAIMED),
-        brief(few as f64 * REPORT),
-    );
-    let claim = "Implicit smoothing has converged after 10 iterations, explicit has not";
-    let finding = format!(
-        "From {few} to {many} implicit steps the patch and the machine part still move by at least {} edge lengths. At equal diffusion time both flows are at most {} edge lengths apart.",
-        brief(least),
-        brief(apart)
-    );
-    Ok(Judgement::new("6b", claim, verdict, reason)
-        .finding(finding)
+    let values = values! {
+        few, many, least, claimed: CLAIMED, equal: EQUAL, explicit: EXPLICIT, apart, ratio,
+        long: few as f64 * CLAIMED, short: few as f64 * REPORT,
+    };
+    Ok(TEXT
+        .judgement("6b", verdict, values)?
         .shown(Shown::playground("diffusion", &[&0.5, &50]))
         .number(
             &format!("movement from {few} to {many} implicit steps, at least"),
@@ -255,7 +209,7 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
 /// Errors over a fine range of λ.
 fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let mut table =
-        Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
+        Table::new("sweep", &TEXT.say("table sweep", values! { steps: ITERATIONS })?, &SWEPT);
     let count = context.choose(49, 13);
     let lambda = |i: usize| 1e-4 * libm::pow(1e8, i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
@@ -267,7 +221,13 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
 fn iterations(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "iterations",
-        &format!("Implicit steps of {CLAIMED} beside explicit steps of the same number ({CLAIMED} diverges; {REPORT} is the original report's) and explicit steps of {EXPLICIT} for the same time nλ. The last columns are RMS distances, vertex by vertex, from the meshes after {} and {} implicit steps.", COMPARED[0], COMPARED[1]),
+        &TEXT.say(
+            "table iterations",
+            values! {
+                claimed: CLAIMED, report: REPORT, explicit: EXPLICIT, few: COMPARED[0],
+                many: COMPARED[1],
+            },
+        )?,
         &[
             ("mesh", Unit::Label),
             ("flow", Unit::Label),
@@ -331,7 +291,7 @@ fn iterations(models: &[Model]) -> Result<Table> {
 fn limit(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "limit",
-        "One implicit step of growing λ: the root mean square distance of the vertices from the centroid of the input, weighted by degrees, over that of the input. It falls as 1/λ: collapse to a point.",
+        &TEXT.say("table limit", &[])?,
         &[("mesh", Unit::Label), ("lambda", Unit::One), ("left", Unit::Relative)],
     );
     for model in models {
@@ -360,7 +320,7 @@ fn limit(models: &[Model]) -> Result<Table> {
 fn spheres(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "spheres",
-        "The volume of unit spheres after implicit steps, as a share of that before, beside (1 + λq²/(2r²))⁻³ˢ, q² the mean squared edge length.",
+        &TEXT.say("table spheres", &[])?,
         &[
             ("level", Unit::Count),
             ("lambda", Unit::One),
@@ -394,9 +354,7 @@ fn spheres(context: &Context<'_>) -> Result<Table> {
 fn cost(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "cost",
-        &format!(
-            "Cost of {ITERATIONS} steps computed in one go: products with the Laplacian, and time for each step. A Chebyshev polynomial applies all {ITERATIONS} steps together."
-        ),
+        &TEXT.say("table cost", values! { steps: ITERATIONS })?,
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -450,24 +408,13 @@ fn over_iterations(model: &Model) -> Result<Picture> {
     for (implicit, explicit) in meshes.iter().take(2).zip(&meshes[2..]) {
         apart = apart.max(vertex_displacement(&implicit.1, &explicit.1)?.rms / model.h());
     }
-    let words = match apart < INVISIBLE {
-        true => "cannot be told apart",
-        false => "differ",
-    };
-    let caption = format!(
-        "At equal diffusion time both flows {words}: the middle two pictures are at most {} h from the first two. The last two have the same numbers of steps, but {} times less diffusion time. The {} after implicit steps (λ × iterations), explicit steps of the same time, and explicit steps of the same number. Counterpart of Figure 11 of the original report.",
-        brief(apart),
-        brief(CLAIMED / REPORT),
-        model.name
-    );
-    let alt = format!(
-        "{} pictures of the {} after implicit and explicit steps, from two sides.",
-        2 * meshes.len(),
-        model.name
-    );
+    let differ = if apart < INVISIBLE { "cannot be told apart" } else { "differ" };
+    let caption = TEXT.say(
+        "figure iterations",
+        values! { differ, apart, ratio: CLAIMED / REPORT, name: model.name },
+    )?;
+    let count = 2 * meshes.len();
+    let alt = TEXT.say("figure iterations alt", values! { count, name: model.name })?;
     let id = format!("{}-iterations", model.slug());
     over_lambda::side_by_side(model, &id, &meshes, &caption, &alt)
 }
-
-const FORMULAS: [&str; 1] =
-    [r"(I - \lambda L)\, x^{s+1} = x^s, \qquad \text{each mode divided by } 1 - \lambda\mu \ge 1"];
