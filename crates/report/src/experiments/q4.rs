@@ -1,7 +1,7 @@
 //! Question 4: a mesh from its k smoothest modes.
 
 mod pictures;
-mod section;
+mod words;
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
@@ -14,6 +14,7 @@ use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_er
 use ndarray::ArrayView2;
 
 use self::pictures::{BALL, decay, eigenvalues, modes_picture, picture, view};
+use self::words::TEXT;
 use super::gap;
 use super::mode_sums;
 use super::refinement::between;
@@ -22,6 +23,7 @@ use super::surfaces::{Sampling, TestSurface};
 use super::torus;
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{Attachment, Content, MeshOutput, Outcome};
+use crate::experiment::text::values;
 use crate::experiment::{Card, Context, Experiment};
 use crate::model::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
@@ -50,28 +52,16 @@ const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
 
 impl Experiment for Reconstruction {
     fn card(&self) -> Card {
-        Card {
-            id: "q4",
-            title: "Reconstruction from the smoothest modes",
-            question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?".into(),
-            method: "The modes φ solve S φ = ω M φ, with cotangent stiffness S and barycentric mass M; ω is a squared frequency. The positions X are projected onto the first k modes, in the inner product of M.\n\nThe number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and with Weyl's law, ω_k ≈ 4πk over the area.".into(),
-            formulas: FORMULAS.map(String::from).to_vec(),
-            section: section::section(),
-            inputs: &[Input::Armadillo, Input::ArmadilloLarge],
-            parameters: vec![
-                (
-                    "k",
-                    STOPS.map(|k| k.to_string()).join(", ")
-                        + ", all (small meshes); each up to the next gap between eigenvalues",
-                ),
-                ("mass", "barycentric".into()),
-            ],
-        }
+        let stops = STOPS.map(|k| k.to_string()).join(", ");
+        let stops =
+            format!("{stops}, all (small meshes); each up to the next gap between eigenvalues");
+        let parameters = vec![("k", stops), ("mass", "barycentric".into())];
+        TEXT.card(&[Input::Armadillo, Input::ArmadilloLarge], parameters, &[])
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
-        let (mut errors, mut weyl, mut curves) = (errors_table(), weyl_table(), vec![]);
+        let (mut errors, mut weyl, mut curves) = (errors_table()?, weyl_table()?, vec![]);
         let meshes = meshes(context)?;
         for (i, (name, mesh)) in meshes.iter().enumerate() {
             context.progress(i as f64 / 4.0, name);
@@ -120,30 +110,26 @@ fn reconstruction(tables: Tables<'_>) -> Result<Judgement> {
         (true, false) => Verdict::Confirmed,
         _ => Verdict::Refuted,
     };
-    let reason = format!(
-        "{}, and Parseval's identity predicts it to {}. From {} to {} modes the error of the {} falls by {:.0} %; {}.",
-        if falling { FALLS } else { RISES },
-        if mismatch < ROUNDING {
-            "rounding".to_string()
-        } else {
-            format!("{} of the diagonal", brief(mismatch))
-        },
-        ks[0],
-        ks[1],
-        names[0],
-        steps[0],
-        what_is_left(ks[ks.len() - 1], complete, last),
-    );
-    Ok(Judgement::new("4a", "A larger k approaches the original", verdict, reason)
-        .finding(format!(
-            "It does; how much the first modes help depends on the shape: from {} to {} modes the error falls by {:.0} to {:.0} %.",
-            ks[0],
-            ks[1],
-            steps.iter().copied().fold(f64::INFINITY, smaller),
-            steps.iter().copied().fold(0.0, larger),
-        ))
+    let mismatch = if mismatch < ROUNDING {
+        "rounding".to_string()
+    } else {
+        format!("{} of the diagonal", brief(mismatch))
+    };
+    let percent = |x: f64| format!("{x:.0}");
+    let values = values! {
+        mismatch, few: ks[0].to_string(), more: ks[1].to_string(), name: names[0].as_str(),
+        step: percent(steps[0]), left: what_is_left(ks[ks.len() - 1], complete, last),
+        least: percent(steps.iter().copied().fold(f64::INFINITY, smaller)),
+        most: percent(steps.iter().copied().fold(0.0, larger)),
+    };
+    Ok(TEXT
+        .judgement("4a", verdict, values)?
         .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
-        .number(&format!("the error falls from {} to {} modes by", ks[0], ks[1]), steps[0], Unit::Percent)
+        .number(
+            &format!("the error falls from {} to {} modes by", ks[0], ks[1]),
+            steps[0],
+            Unit::Percent,
+        )
         .number("error with all modes", last, Unit::Diagonals))
 }
 
@@ -157,23 +143,15 @@ fn eigenvalue_orders(tables: Tables<'_>) -> Result<Judgement> {
         (true, false) => Verdict::Qualified,
         _ => Verdict::Refuted,
     };
-    Ok(Judgement::new(
-        "4b",
-        "The eigenvalues converge to those of the surface with second order",
-        second,
-        format!(
-            "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with order {} on regular meshes and {} on meshes with jittered vertices.",
-            between(least, most),
-            between(low, high)
-        ),
-    )
-    .finding(format!("The observed order is {} on regular and {} on jittered meshes; at order 2 half the edge length leaves a quarter of the error.", between(least, most), between(low, high)))
-    .ours()
-    .shown(Shown::line("q4", "eigenvalues", "sphere"))
-    .number("least order", least, Unit::Order)
-    .number("greatest order", most, Unit::Order)
-    .number("least order, jittered", low, Unit::Order)
-    .number("greatest order, jittered", high, Unit::Order))
+    let values = values! { regular: between(least, most), jittered: between(low, high) };
+    Ok(TEXT
+        .judgement("4b", second, values)?
+        .ours()
+        .shown(Shown::line("q4", "eigenvalues", "sphere"))
+        .number("least order", least, Unit::Order)
+        .number("greatest order", most, Unit::Order)
+        .number("least order, jittered", low, Unit::Order)
+        .number("greatest order, jittered", high, Unit::Order))
 }
 
 /// The least and the greatest observed order of eigenvalues, on the sphere and on the torus.
@@ -186,13 +164,6 @@ fn orders(tables: Tables<'_>, sampling: Sampling) -> Result<[f64; 2]> {
     let least = orders.iter().copied().fold(f64::INFINITY, smaller);
     Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, larger)])
 }
-
-/// Words for an error that falls with every step.
-const FALLS: &str =
-    "The error falls with every step of k, as it must for modes that are orthonormal in the mass";
-
-/// And of one that does not.
-const RISES: &str = "The error does not fall with every step of k";
 
 /// The error at the last stop, in words.
 fn what_is_left(modes: f64, complete: bool, last: f64) -> String {
@@ -212,10 +183,10 @@ fn stops(vertices: usize, most: usize) -> Vec<usize> {
     stops
 }
 
-fn errors_table() -> Table {
-    Table::new(
+fn errors_table() -> Result<Table> {
+    let table = Table::new(
         "reconstruction",
-        "Error of the mesh rebuilt from k modes: root mean square displacement weighted by area, predicted from the coefficients and measured; largest distance between the surfaces at their vertices; normal error.",
+        &TEXT.say("table reconstruction", &[])?,
         &[
             ("mesh", Unit::Label),
             ("k", Unit::Count),
@@ -225,17 +196,18 @@ fn errors_table() -> Table {
             ("largest distance", Unit::Diagonals),
             ("normal error", Unit::Degrees),
         ],
-    )
-    .tolerance("predicted RMS", Some(TRUNCATED))
-    .tolerance("measured RMS", Some(TRUNCATED))
-    .tolerance("largest distance", Some(Tolerance::LOOSE))
-    .tolerance("normal error", Some(Tolerance::LOOSE))
+    );
+    Ok(table
+        .tolerance("predicted RMS", Some(TRUNCATED))
+        .tolerance("measured RMS", Some(TRUNCATED))
+        .tolerance("largest distance", Some(Tolerance::LOOSE))
+        .tolerance("normal error", Some(Tolerance::LOOSE)))
 }
 
-fn weyl_table() -> Table {
-    Table::new(
+fn weyl_table() -> Result<Table> {
+    let table = Table::new(
         "weyl",
-        "Eigenvalues against Weyl's law, ω × area / 4πk: it tends to one while k is small beside the number of vertices.",
+        &TEXT.say("table weyl", &[])?,
         &[
             ("mesh", Unit::Label),
             ("k", Unit::Count),
@@ -243,8 +215,8 @@ fn weyl_table() -> Table {
             ("over Weyl", Unit::One),
             ("worst residual", Unit::Relative),
         ],
-    )
-    .tolerance("worst residual", None)
+    );
+    Ok(table.tolerance("worst residual", None))
 }
 
 /// The meshes by their names: those of the assignment are named after what they are, stand-ins too.
@@ -351,7 +323,7 @@ impl<'a> Rebuilt<'a> {
         // The section shows the first of them by a name that does not depend on the mesh.
         let figure = if with_modes { FIRST } else { &id };
         outcome.figures.push(picture(figure, name, &to_see, mesh, &stops, &meshes, occlusion)?);
-        let shown = view(&id, name, &to_see, mesh, &stops, &meshes);
+        let shown = view(&id, name, &to_see, mesh, &stops, &meshes)?;
         outcome.views.push(View { fallback: figure.into(), ..shown });
         if with_modes {
             outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
@@ -375,7 +347,7 @@ impl<'a> Rebuilt<'a> {
 fn sphere(context: &Context<'_>, finest: u32) -> Result<Table> {
     let mut table = Table::new(
         "sphere",
-        "Eigenvalues of the unit sphere: the mean of those that tend to 6 (five) and 12 (seven), their relative errors together, and the observed order.",
+        &TEXT.say("table sphere", &[])?,
         &[
             ("sampling", Unit::Label),
             ("h", Unit::Length),
@@ -425,13 +397,7 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
     }
     Ok(Attachment {
         name: format!("{id}-energies.csv"),
-        about: format!(
-            "Eigenvalues of the {name} and the energy of its positions in each cluster of equal or nearly equal ones, Σ (φᵀMX)²."
-        ),
+        about: TEXT.say("energies", values! { name })?,
         content: Content::Text(csv),
     })
 }
-
-const FORMULAS: [&str; 1] = [
-    r"S\varphi_i = \omega_i M\varphi_i,\quad \varphi_i^\top M \varphi_j = \delta_{ij},\quad X_k = \sum_{i<k} \varphi_i \varphi_i^\top M X",
-];

@@ -6,14 +6,16 @@ use fairing_figure::{
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
-use fairing_sparse::larger;
+use fairing_sparse::{larger, smaller};
 use fairing_spectral::Spectrum;
 
 use super::super::gallery::{Coloring, Gallery, Look, Range, plotted};
 use super::super::models::slug;
-use super::super::refinement::second_order;
+use super::super::refinement::{between, second_order};
 use super::super::surfaces::Sampling;
+use super::words::TEXT;
 use crate::experiment::outcome::Picture;
+use crate::experiment::text::values;
 use crate::model::table::{Table, brief};
 use crate::model::view::{Panel, Slider, View};
 
@@ -47,20 +49,20 @@ pub(super) fn picture(
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
-        &format!(
-            "{to_see} The {name} from k modes, and whole, from two viewpoints.{}",
-            counterpart(name)
-        ),
-        &format!("Pictures of the {name}: the more modes, the closer it comes to the original."),
+        &TEXT.say(
+            "figure rebuilt",
+            values! { seen: to_see, name, counterpart: counterpart(name)? },
+        )?,
+        &TEXT.say("figure rebuilt alt", values! { name })?,
     )
 }
 
 /// The figure of the original report that shows the same, as a sentence; it has no bumpy ball.
-fn counterpart(name: &str) -> &'static str {
-    match name == BALL {
-        true => "",
-        false => " Counterpart of Figure 4 of the original report.",
+fn counterpart(name: &str) -> Result<String> {
+    if name == BALL {
+        return Ok(String::new());
     }
+    Ok(format!(" {}", TEXT.say("counterpart", &[])?))
 }
 
 /// The modes drawn, by number.
@@ -92,9 +94,9 @@ pub(super) fn modes_picture(
         fields.iter().map(|(_, field)| sign_changes(mesh, &field.values)).collect();
     let rising = changes.windows(2).all(|w| w[0] < w[1]);
     let to_see = match (rising, changes.first(), changes.last()) {
-        (true, Some(first), Some(last)) => format!(
-            "The larger the eigenvalue, the more often the sign changes: across {first} edges in the first mode drawn, across {last} in the last."
-        ),
+        (true, Some(first), Some(last)) => {
+            TEXT.say("modes rise", values! { first: *first, last: *last })?
+        }
         _ => "Each mode divides the surface in its own way.".into(),
     };
     let options =
@@ -115,8 +117,8 @@ pub(super) fn modes_picture(
         .collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         &format!("{id}-modes"),
-        &format!("{to_see} Modes of the {name}, from two viewpoints; signs are arbitrary, and so is the basis where eigenvalues are equal."),
-        &format!("The {name} five times from two sides, coloured from blue to red by one mode each."),
+        &TEXT.say("figure modes", values! { seen: to_see, name })?,
+        &TEXT.say("figure modes alt", values! { name })?,
     )
 }
 
@@ -133,15 +135,13 @@ pub(super) fn view(
     mesh: &TriMesh,
     stops: &[usize],
     rebuilt: &[TriMesh],
-) -> View {
-    View {
+) -> Result<View> {
+    let counterpart = counterpart(name)?;
+    Ok(View {
         id: format!("{id}-view"),
         mesh: name.into(),
-        caption: format!(
-            "{to_see} The {name} from k modes, beside the whole mesh.{}",
-            counterpart(name)
-        ),
-        alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
+        caption: TEXT.say("view", values! { seen: to_see, name, counterpart })?,
+        alt: TEXT.say("view alt", values! { name })?,
         fallback: String::new(),
         color: None,
         z_up: false,
@@ -153,7 +153,7 @@ pub(super) fn view(
         ],
         from: Some(1),
         truth: Some(mesh.positions().to_vec()),
-    }
+    })
 }
 
 /// The number of modes at which meshes are compared in words.
@@ -178,18 +178,17 @@ pub(super) fn decay(curves: Vec<Series>) -> Result<Picture> {
         ..Plot::default()
     };
     let mut figure = Figure::default();
-    let to_see = extremes(&plot.series).map_or(String::new(), |[least, most]| {
-        format!("A smooth shape needs fewer modes: at {COMPARED} modes the {least} is the closest to its original, the {most} the farthest. ")
-    });
+    let mut words = String::new();
+    if let Some([least, most]) = extremes(&plot.series) {
+        words = TEXT.say("extremes", values! { modes: COMPARED, least, most })? + " ";
+    }
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
     figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 240.0)?));
     let picture = plotted(
         &figure,
         "decay",
-        &format!(
-            "{to_see}The error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box."
-        ),
-        "Curves that fall from a few per cent at one mode, fast where k reaches the number of vertices.",
+        &TEXT.say("figure decay", values! { extremes: words })?,
+        &TEXT.say("figure decay alt", &[])?,
     )?;
     Ok(names.iter().fold(picture, |picture, name| {
         picture.linked("", name, &format!("{}-view", slug(name)), "k")
@@ -216,24 +215,15 @@ pub(super) fn eigenvalues(sphere: &Table, torus: &Table) -> Result<Picture> {
             steepness.extend(rows.numbers("order")?);
         }
     }
-    let is_second = steepness.iter().all(|order| (1.8..2.2).contains(order));
-    let to_see = match is_second {
-        true => {
-            "All lines are as steep as the dashed one: half the edge length leaves a quarter of the error"
-        }
-        false => {
-            "Not all lines are as steep as the dashed one, at which half the edge length leaves a quarter of the error"
-        }
-    };
+    let least = steepness.iter().copied().fold(f64::INFINITY, smaller);
+    let orders = between(least, steepness.iter().copied().fold(f64::NEG_INFINITY, larger));
     plot.series.extend(second_order(&plot.series));
     let mut figure = Figure::default();
     figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
     plotted(
         &figure,
         "eigenvalues",
-        &format!(
-            "{to_see}. Eigenvalues of the unit sphere and of a torus against the exact ones, under refinement, on regular and on jittered meshes."
-        ),
-        "Four falling lines of error over mean edge length on logarithmic axes, with a dashed line of second order.",
+        &TEXT.say("figure eigenvalues", values! { orders })?,
+        &TEXT.say("figure eigenvalues alt", &[])?,
     )
 }

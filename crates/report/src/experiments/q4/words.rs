@@ -1,0 +1,5 @@
+//! The words of question 4.
+
+use crate::experiment::text::Text;
+
+pub(super) static TEXT: Text = Text::new("q4", include_str!("../../../text/q4.md"));
