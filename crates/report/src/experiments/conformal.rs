@@ -12,9 +12,13 @@ use super::gallery::{Gallery, Look, VIEWPOINTS};
 use super::seen;
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
+use crate::experiment::text::{Text, values};
 use crate::model::table::{Table, Tolerance, Unit, brief};
 use crate::model::view::{Panel, Slider, View};
 use crate::row;
+
+/// The words of the experiment on flows.
+pub(super) static TEXT: Text = Text::new("flows", include_str!("../../text/flows.md"));
 
 /// The id of the view within the experiment.
 pub(super) const VIEW: &str = "conformal-view";
@@ -44,7 +48,7 @@ fn flow(mesh: &TriMesh, iterations: usize) -> Result<(TriMesh, usize)> {
 pub(super) fn table(levels: &[u32]) -> Result<Table> {
     let mut table = Table::new(
         "conformal",
-        "A bumpy sphere under conformalised mean curvature flow: steps until it settles, and the largest distance of a vertex from the mean sphere about the centroid, over its radius.",
+        &TEXT.say("table conformal", &[])?,
         &[
             ("vertices", Unit::Count),
             ("steps", Unit::Count),
@@ -77,19 +81,13 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
 }
 
 /// A sentence on the roundness of the sphere after so many steps each.
-fn rounded(errors: &[(usize, f64)]) -> String {
-    let Some(((_, settled), others)) = errors.split_last() else { return String::new() };
+fn rounded(errors: &[(usize, f64)]) -> Result<String> {
+    let Some(((_, settled), others)) = errors.split_last() else { return Ok(String::new()) };
     let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);
-    let percent = |off: &f64| brief(100.0 * off);
-    let numbers: Vec<String> = others.iter().map(|(_, off)| percent(off)).collect();
+    let off: Vec<String> = others.iter().map(|(_, off)| brief(100.0 * off)).collect();
     let steps: Vec<String> = others.iter().map(|(n, _)| n.to_string()).collect();
-    format!(
-        "The farthest vertex is {} % off the mean sphere after {} steps, {} % when the flow has settled{}.",
-        seen::list(&numbers),
-        seen::list(&steps),
-        brief(100.0 * settled),
-        if falling { "" } else { ": it gets worse before it gets better" }
-    )
+    let values = values! { off: seen::list(&off), steps: seen::list(&steps), settled: *settled };
+    TEXT.say(if falling { "rounded" } else { "rounded late" }, values)
 }
 
 fn farthest(mesh: &TriMesh) -> f64 {
@@ -122,11 +120,8 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
     }
     .draw(
         "conformal",
-        &format!(
-            "{} A bumpy sphere after some numbers of steps of conformalised mean curvature flow.",
-            rounded(&drawn_errors)
-        ),
-        "Four pictures of a bumpy sphere that becomes round.",
+        &TEXT.say("figure conformal", values! { rounded: rounded(&drawn_errors)? })?,
+        &TEXT.say("figure conformal alt", &[])?,
     )?;
     let worst = meshes.iter().map(|mesh| Some(100.0 * farthest(mesh))).collect();
     let panel = Panel::moving("flow", &before, meshes.iter().map(TriMesh::positions))
@@ -135,12 +130,8 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
     let view = View {
         id: VIEW.into(),
         mesh: "smooth bumpy sphere".into(),
-        caption: format!(
-            "Red is outside the mean sphere, blue inside, grey is round. {} A bumpy sphere under conformalised mean curvature flow.",
-            rounded(&all_errors)
-        ),
-        alt: "A bumpy sphere that becomes round, with a slider over steps, beside its beginning."
-            .into(),
+        caption: TEXT.say("view conformal", values! { rounded: rounded(&all_errors)? })?,
+        alt: TEXT.say("view conformal alt", &[])?,
         fallback: "conformal".into(),
         z_up: true,
         sliders: vec![Slider::new("steps", titles)],
@@ -163,9 +154,9 @@ mod tests {
     /// The distance may grow on the way; the caption does not call that a fall.
     #[test]
     fn the_caption_has_the_distances() {
-        let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]);
+        let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]).unwrap();
         let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, 0.25 % when the flow has settled: it gets worse before it gets better.";
         assert_eq!(text, expected);
-        assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).contains("worse"));
+        assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).unwrap().contains("worse"));
     }
 }

@@ -12,12 +12,12 @@ use fairing_smoothing::{Diffusion, Implicit, Method, Time, Update, implicit};
 use fairing_sparse::{larger, smaller};
 use glam::DVec3;
 
-use super::conformal;
+use super::conformal::{self, TEXT};
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
 use super::refinement::{between, second_order};
 use super::seen;
 use crate::experiment::outcome::{Outcome, Picture};
-use crate::experiment::text::{Text, values};
+use crate::experiment::text::values;
 use crate::experiment::{Card, Context, Experiment};
 use crate::model::table::{Table, Tables, Unit, brief};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
@@ -35,8 +35,6 @@ const SIGMA: f64 = 0.2;
 /// A shape this close to its best sphere is round: the error of the discrete operator on coarse
 /// meshes.
 const ROUND: f64 = 0.02;
-
-static TEXT: Text = Text::new("flows", include_str!("../../text/flows.md"));
 
 impl Experiment for Flows {
     fn card(&self) -> Card {

@@ -145,19 +145,19 @@ pub(super) fn seen_in_plot(best: &Favourites) -> String {
         Ordering::Less => "at shorter steps than the surface error",
         Ordering::Equal => "at the same step as the surface error",
     };
-    let first = match orders[0] == orders[1] {
-        true => format!("On both meshes the normal error is smallest {}", words(orders[0])),
-        false => format!(
+    let first = if orders[0] == orders[1] {
+        format!("On both meshes the normal error is smallest {}", words(orders[0]))
+    } else {
+        format!(
             "On the patch the normal error is smallest {}, on the machine part {}",
             words(orders[0]),
             words(orders[1])
-        ),
+        )
     };
-    let end = match best.normals[0].is_last {
-        true => {
-            "; on the patch it falls up to the last step, because normals do not see a mesh shrink"
-        }
-        false => "",
+    let end = if best.normals[0].is_last {
+        "; on the patch it falls up to the last step, because normals do not see a mesh shrink"
+    } else {
+        ""
     };
     format!("{first}{end}.")
 }
@@ -290,10 +290,7 @@ impl OverLambda<'_> {
             "{} The {} before and after {iterations} {kind} steps, from two viewpoints{}.{}",
             seen(model.name, lambdas, measured),
             model.name,
-            match scaled {
-                true => "; a title in brackets gives the scale of its picture",
-                false => "",
-            },
+            if scaled { "; a title in brackets gives the scale of its picture" } else { "" },
             self.counterpart(model.name)
         );
         let alt = format!(
@@ -410,9 +407,10 @@ fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<Option<(TriMesh, String)>> {
     if (SMALL..=DIVERGED).contains(&growth) {
         return Ok(Some((mesh.clone(), String::new())));
     }
-    let title = match growth > 1.0 {
-        true => format!(" (1 : {})", brief(growth)),
-        false => format!(" (×{})", brief((1.0 / growth).round())),
+    let title = if growth > 1.0 {
+        format!(" (1 : {})", brief(growth))
+    } else {
+        format!(" (×{})", brief((1.0 / growth).round()))
     };
     Ok(Some((fitted(mesh, input)?, title)))
 }
@@ -464,9 +462,10 @@ fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
     }
     let area = |m: &Measures| m.area.unwrap_or(0.0);
     if let Some((lambda, m)) = shapes.last().filter(|(_, m)| area(m) < -SHRUNK) {
-        let words = match area(m) < VANISHED {
-            true => "all but vanished".to_string(),
-            false => format!("shrunk by {} %", brief(-area(m))),
+        let words = if area(m) < VANISHED {
+            "all but vanished".to_string()
+        } else {
+            format!("shrunk by {} %", brief(-area(m)))
         };
         sentences.push(format!("At λ = {} its area has {words}.", brief(*lambda)));
     }

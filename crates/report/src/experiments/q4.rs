@@ -224,12 +224,13 @@ fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
     let named = |input, real, stand_in| if context.is_stand_in(input) { stand_in } else { real };
     let small = named(Input::Armadillo, "armadillo", "small creature");
     // A quick run is to be quick.
-    let (large, mesh) = match context.is_quick() {
-        true => ("large creature", shapes::creature(64)),
-        false => (
+    let (large, mesh) = if context.is_quick() {
+        ("large creature", shapes::creature(64))
+    } else {
+        (
             named(Input::ArmadilloLarge, "large armadillo", "large creature"),
             context.mesh(Input::ArmadilloLarge)?,
-        ),
+        )
     };
     let generated = shapes::bumpy_sphere(context.choose(4, 3), 0.15, 4.0);
     Ok([(small, context.mesh(Input::Armadillo)?), (large, mesh), (BALL, generated)])
