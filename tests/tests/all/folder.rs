@@ -39,7 +39,7 @@ fn write_sound(folder: &Path) {
         save("-inside-out.ply.gz", &with_faces(&mesh, |[a, b, c]| vec![[b, a, c]]));
         save("-doubled.off", &with_faces(&mesh, |face| vec![face; 1 + (face[0] as usize % 5) / 4]));
         let holes = with_faces(&mesh, |face| {
-            (if face.contains(&17) || face.contains(&99) { vec![] } else { vec![face] })
+            if face.contains(&17) || face.contains(&99) { vec![] } else { vec![face] }
         });
         let height = holes.positions().iter().map(|p| p[2]).collect();
         let fields = VertexFields::default().with_scalar("height", height);

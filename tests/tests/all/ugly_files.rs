@@ -166,14 +166,14 @@ fn seams_are_named_and_stay_closed_when_welded() {
     let faces = torus.faces().iter().map(|face| {
         let beyond = face.iter().any(|&v| v % 40 == 39);
         face.map(|v| {
-            (if beyond && v % 40 == 0 {
+            if beyond && v % 40 == 0 {
                 *copies.entry(v).or_insert_with(|| {
                     positions.push(torus.positions()[v as usize]);
                     positions.len() as u32 - 1
                 })
             } else {
                 v
-            })
+            }
         })
     });
     let faces: Vec<_> = faces.collect();
