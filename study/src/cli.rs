@@ -28,6 +28,8 @@ pub(crate) enum Command {
     Measure(Measure),
     /// Train the networks of the automatic denoiser on generated models, and write their weights
     Train(Train),
+    /// Write the tables of the report again, from the stored results
+    Tables,
     /// Write the models of the experiment "denoisers" into data
     Models,
     /// Count where the denoiser finds the noise of a depth camera, on generated scans and models

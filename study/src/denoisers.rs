@@ -11,8 +11,8 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use fairing_study::{
     Case, Found, MODELS, Method, Pair, Published, Set, Summary, TrainingOptions, cases,
-    correlated_pairs, denoiser, fitted, found, is_pair, model, pairs, scans, sightings, summary,
-    tables, train_normals, training_pairs, tuned, volumes, written,
+    correlated_pairs, denoiser, fitted, found, is_pair, model, pairs, read, scans, sightings,
+    summary, tables, train_normals, training_pairs, tuned, volumes, written,
 };
 use rayon::prelude::*;
 
@@ -44,6 +44,21 @@ fn in_repository(path: &str) -> PathBuf {
 /// The folder that `FAIRING_MESHES` names; an empty name is none.
 fn meshes_folder() -> Option<PathBuf> {
     std::env::var_os("FAIRING_MESHES").filter(|name| !name.is_empty()).map(PathBuf::from)
+}
+
+/// Writes the tables of the report, from these results or from the stored ones.
+pub(crate) fn write_tables(found: Option<Vec<Found>>) -> Result<()> {
+    let published = Published::read(&fs::read_to_string(in_repository(PUBLISHED))?)?;
+    let found = match found {
+        Some(found) => found,
+        None => read(&fs::read_to_string(in_repository(AUTOMATIC))?, &published)?,
+    };
+    let folder = in_repository(TABLES);
+    fs::create_dir_all(&folder)?;
+    for (name, text) in tables(&found, &published)? {
+        fs::write(folder.join(name).with_extension("csv"), text)?;
+    }
+    Ok(())
 }
 
 /// Writes the models of the experiment.
@@ -98,7 +113,11 @@ pub(crate) fn train(options: &Train) -> Result<()> {
         .unwrap_or_else(|| in_repository(WEIGHTS[usize::from(options.correlated)]));
     // Training takes long: a place that cannot be written is an error before it.
     io::check_writable(&path).with_context(|| format!("writing {}", path.display()))?;
-    let pairs = if options.correlated { correlated_pairs(options.models)? } else { training_pairs(options.models)? };
+    let pairs = if options.correlated {
+        correlated_pairs(options.models)?
+    } else {
+        training_pairs(options.models)?
+    };
     let faces: usize = pairs.iter().map(|p| p.truth.face_count()).sum();
     println!("{} pairs, {faces} faces, {:.0} s", pairs.len(), start.elapsed().as_secs_f64());
     let training = TrainingOptions {
@@ -128,11 +147,7 @@ pub(crate) fn measure(options: Measure) -> Result<()> {
         let all: Vec<Found> = all.into_iter().map(|f| f.1).collect();
         fs::write(&csv, written(&all)).with_context(|| format!("{}", csv.display()))?;
         if accept {
-            let folder = in_repository(TABLES);
-            fs::create_dir_all(&folder)?;
-            for (name, text) in tables(&all, &measurement.table)? {
-                fs::write(folder.join(name).with_extension("csv"), text)?;
-            }
+            write_tables(Some(all))?;
         }
     }
     Ok(())

@@ -17,6 +17,7 @@ fn main() -> ExitCode {
         Command::Tune(options) => denoisers::tune(options),
         Command::Measure(options) => denoisers::measure(options),
         Command::Train(options) => denoisers::train(&options),
+        Command::Tables => denoisers::write_tables(None),
         Command::Models => denoisers::models(),
         Command::Correlation { fit } => denoisers::correlation(fit),
     };

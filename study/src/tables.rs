@@ -65,6 +65,7 @@ pub fn tables(found: &[Found], published: &Published) -> Result<Vec<(&'static st
             writeln!(lost, "{:.4},{},{}", ratio(f), best.method, best.parameters)?;
         }
         let mut names: Vec<Family> = mine.iter().map(|(family, _)| *family).collect();
+        names.sort_unstable();
         names.dedup();
         for family in names {
             let results = mine.iter().filter(|(f, _)| *f == family).map(|(_, f)| (*f).clone());

@@ -74,7 +74,10 @@ pub(super) fn measure<const N: usize>(parts: &Parts, scales: &[[f64; N]], r: &[[
     squares.into_iter().flatten().map(f64::sqrt).fold(0.0, larger)
 }
 
+/// Numbers below this count as zero: modes that have vanished, whose reciprocals could overflow.
+const VANISHED: f64 = 1e-250;
+
 /// `1/x`; zero for zero.
 pub(super) fn reciprocal(x: f64) -> f64 {
-    if x > 0.0 { 1.0 / x } else { 0.0 }
+    if x > VANISHED { 1.0 / x } else { 0.0 }
 }

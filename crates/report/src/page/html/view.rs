@@ -25,6 +25,7 @@ pub(super) fn figure(
     let reading = || format!("reading {}", view.data);
     let text = fs::read_to_string(folder.join(&view.data)).with_context(reading)?;
     let data: Value = serde_json::from_str(&text).with_context(reading)?;
+    let panels = data["panels"].as_array().with_context(reading)?.len();
     let mut html = String::new();
     let _ = write!(
         html,
@@ -34,7 +35,6 @@ pub(super) fn figure(
          <figcaption>{label}{caption}</figcaption>\
          <script class=\"data\" type=\"application/json\">{data}</script></figure>",
         id = escape(id),
-        panels = data["panels"].as_array().map_or(0, Vec::len),
         fallback = escape(fallback),
         alt = escape(&view.alt),
         caption = escape(&view.caption),
