@@ -281,7 +281,7 @@ fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Types that only the study uses, through the feature `training`, and private ones with public names.
+/// Types that only the study uses, through the feature `training`, and private ones.
 const HIDDEN: [&str; 12] = [
     "Growth",
     "Layer",

@@ -23,7 +23,7 @@ pub fn repair(repaired: &Repaired) -> Value {
     })
 }
 
-/// The numbers of vertices and faces of a repaired mesh, and of the elements that each step changed.
+/// The numbers of vertices and faces of a repaired mesh, and of elements that each step changed.
 pub fn counts(repaired: &Repaired) -> Value {
     let totals = [
         ("unchanged", repaired.is_unchanged().into()),

@@ -5,8 +5,8 @@ use std::ops::{Bound, RangeBounds as _};
 use fairing_parameters::{Algorithm, Kind, Parameter};
 use serde_json::{Value, json};
 
-/// An algorithm: its `name`, one line `about` it, the keys of its `sources` in the bibliography, and
-/// its `parameters`.
+/// An algorithm: its `name`, one line `about` it, the keys of its `sources` in the bibliography,
+/// and its `parameters`.
 ///
 /// A parameter has a `name`, one line `about` it, a `unit`, a `kind` (`number`, `count`, `choice`,
 /// `vertices`, `weighted` or `text`) with the `choices` among names, the ends `low` and `high` of

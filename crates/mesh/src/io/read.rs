@@ -106,8 +106,8 @@ impl Reader {
         Ok(bytes)
     }
 
-    /// The mesh in the bytes of a file of this name. Fails if the name ends in `.gz` and the content
-    /// is not compressed.
+    /// The mesh in the bytes of a file of this name. Fails if the name ends in `.gz` and the
+    /// content is not compressed.
     fn named(&self, path: &Path, bytes: &[u8], folder: Option<&Path>) -> Result<MeshFile, Fault> {
         let named = Format::from_path(path);
         if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {

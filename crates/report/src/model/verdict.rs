@@ -118,7 +118,7 @@ impl Shown {
     /// A view in a state.
     pub fn view(experiment: &str, view: &str, state: &ViewState) -> Self {
         let stops: Vec<String> = state.stops.iter().map(usize::to_string).collect();
-        // Camera, stops, field, switches, vertex, live flow and sum; empty parts are at their defaults.
+        // Camera, stops, field, switches, vertex, live flow and sum; empty parts are defaults.
         let mut parts = vec![String::new(), stops.join("~"), state.field.clone()];
         if let Some(modes) = state.modes {
             parts.resize(6, String::new());

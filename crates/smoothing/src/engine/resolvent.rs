@@ -67,8 +67,8 @@ impl Resolvent {
         self.coefficients.len() - 1
     }
 
-    /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual. `mesh` is in
-    /// the order of the Laplacian.
+    /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual. `mesh` is
+    /// in the order of the Laplacian.
     pub(crate) fn apply(
         &self,
         laplacian: GraphLaplacian,

@@ -131,8 +131,8 @@ pub(super) struct Centred<'a, const N: usize, R> {
     right: R,
     x: &'a [[f64; N]],
     pub(super) origins: Vec<[f64; N]>,
-    /// The sum of `b − Dc` over each part: for a floating part that of b if D is zero, otherwise the
-    /// rounding error of its mean.
+    /// The sum of `b − Dc` over each part: for a floating part that of b if D is zero, otherwise
+    /// the rounding error of its mean.
     excess: Vec<[f64; N]>,
 }
 

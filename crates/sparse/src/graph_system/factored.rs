@@ -110,7 +110,7 @@ impl Factored {
         if row as usize == i { s } else { 0.0 }
     }
 
-    /// Computes the factor and, if solutions are refined to all digits, the estimate of its inverse.
+    /// Computes the factor and, if solutions get all digits, the estimate of its inverse.
     fn factorise(
         &mut self,
         equations: &Equations,

@@ -30,9 +30,9 @@ const ILL_CONDITIONED: f64 = 1e6;
 /// The system `(D + tS) x = b` of a diagonal `D ≥ 0` and a graph Laplacian S, with some entries of
 /// x given and up to four columns, solved by conjugate gradients or a factorisation.
 ///
-/// S is given by its off-diagonal entries, and its rows act on differences,
-/// `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ − xⱼ)`. Solutions are refined with residuals in this form, so that they solve
-/// the system of the weights, not of a diagonal in which small weights and D are lost to rounding.
+/// S is given by its off-diagonal entries, and its rows act on differences, `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ −
+/// xⱼ)`. Solutions are refined with residuals in this form, so that they solve the system of the
+/// weights, not of a diagonal in which small weights and D are lost to rounding.
 ///
 /// A connected part without given values *floats*: its weighted mean is known, since the sum of
 /// `D x` is that of b, but nearly singular systems lose it. Each part is therefore solved about its
@@ -200,9 +200,9 @@ impl GraphSystem {
         Ok(changed)
     }
 
-    /// Replaces `x` by the solution for the right-hand side whose row i is `right(i)`. Rows of given
-    /// values are kept; the others hold an initial guess, for which conjugate gradients have to
-    /// reduce the residual.
+    /// Replaces `x` by the solution for the right-hand side whose row i is `right(i)`. Rows of
+    /// given values are kept; the others hold an initial guess, for which conjugate gradients have
+    /// to reduce the residual.
     ///
     /// # Errors
     ///

@@ -18,10 +18,11 @@ const BITS: f64 = 14.0;
 impl View {
     /// The view as JSON for the page, which `crates/report/assets/view.mjs` reads.
     ///
-    /// Where the view has an array of numbers, the JSON has its index in `arrays`: a text in base64,
-    /// compressed by gzip, of little-endian numbers, `u32` for faces and `f32` for all others, NaN
-    /// for an undefined value. Equal arrays are stored once. The second and later positions of a
-    /// panel are displacements from the first ones, rounded to 2⁻¹⁴ of the extent of the mesh.
+    /// Where the view has an array of numbers, the JSON has its index in `arrays`: a text in
+    /// base64, compressed by gzip, of little-endian numbers, `u32` for faces and `f32` for all
+    /// others, NaN for an undefined value. Equal arrays are stored once. The second and later
+    /// positions of a panel are displacements from the first ones, rounded to 2⁻¹⁴ of the extent of
+    /// the mesh.
     ///
     /// # Errors
     ///
