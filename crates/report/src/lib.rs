@@ -5,8 +5,6 @@
 //! it judges its claims from its own tables. [`page`] shows what it returned and needs nothing
 //! else, so a report can be rendered again without running any experiment.
 
-#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
-
 pub mod experiment;
 pub mod experiments;
 pub mod model;

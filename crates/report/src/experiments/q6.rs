@@ -217,6 +217,21 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     Ok(table)
 }
 
+/// The runs that are compared: flow, step and number.
+const RUNS: [(&str, f64, usize); 10] = [
+    ("implicit", CLAIMED, COMPARED[0]),
+    ("implicit", CLAIMED, COMPARED[1]),
+    ("implicit", CLAIMED, 500),
+    // Diverges: after many steps no mesh has the extent.
+    ("explicit", CLAIMED, COMPARED[0]),
+    ("explicit", REPORT, COMPARED[0]),
+    ("explicit", REPORT, COMPARED[1]),
+    ("explicit", EXPLICIT, COMPARED[0]),
+    ("explicit", EXPLICIT, COMPARED[1]),
+    ("explicit", EXPLICIT, EQUAL),
+    ("explicit", EXPLICIT, 500),
+];
+
 /// Implicit beside explicit, at equal counts and at equal time.
 fn iterations(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
@@ -247,23 +262,10 @@ fn iterations(models: &[Model]) -> Result<Table> {
     .tolerance("from 10 implicit steps", Some(Tolerance::LOOSE))
     .tolerance("from 50 implicit steps", Some(Tolerance::LOOSE))
     .aside(&["normal error", "vertex error", "growth"]);
+    let [few, many] = COMPARED;
     for model in models {
-        let [few, many] = COMPARED;
         let references = [model.implicit(CLAIMED, few)?.mesh, model.implicit(CLAIMED, many)?.mesh];
-        let runs = [
-            ("implicit", CLAIMED, few),
-            ("implicit", CLAIMED, many),
-            ("implicit", CLAIMED, 500),
-            // Diverges: after many steps no mesh has the extent.
-            ("explicit", CLAIMED, few),
-            ("explicit", REPORT, few),
-            ("explicit", REPORT, many),
-            ("explicit", EXPLICIT, few),
-            ("explicit", EXPLICIT, many),
-            ("explicit", EXPLICIT, EQUAL),
-            ("explicit", EXPLICIT, 500),
-        ];
-        for (flow, lambda, n) in runs {
+        for (flow, lambda, n) in RUNS {
             let mesh = match flow {
                 "implicit" => model.implicit(lambda, n)?.mesh,
                 _ => model.explicit(lambda, n)?.mesh,

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use base64::Engine as _;
 use rayon::prelude::*;
 
-use super::html::escape;
+use super::escape::escape;
 use super::tables::counted;
 use super::view;
 use crate::model::results::{FigureFile, Record};

@@ -8,8 +8,8 @@
 //! cargo makes the same report.
 
 mod computing;
+mod escape;
 mod figures;
-mod html;
 mod laboratory;
 mod scripts;
 mod section;
@@ -27,8 +27,8 @@ use rayon::prelude::*;
 use crate::model::results::{Record, Results};
 use crate::model::verdict::Verdict;
 use crate::page::{bibliography, markdown, notation, numbers, story, thumbnail};
+use escape::escape;
 use fairing_figure::{ColorMap, color_maps};
-use html::escape;
 pub use laboratory::laboratory;
 use scripts::script;
 use style::STYLE;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::html::{escape, with_code};
+use super::escape::{escape, with_code};
 use super::{figures, tables};
 use crate::model::results::Record;
 use crate::model::verdict::{Deciding, Judgement, Shown, Verdict};

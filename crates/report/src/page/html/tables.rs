@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use base64::Engine as _;
 
-use super::html::escape;
+use super::escape::escape;
 use crate::model::results::Record;
 use crate::model::table::{Cell, Table, Unit};
 use crate::page::{layout, markdown};

@@ -8,7 +8,7 @@ use crate::model::results::ViewFile;
 use anyhow::{Context as _, Result};
 use serde_json::Value;
 
-use super::html::{escape, script_json};
+use super::escape::{escape, script_json};
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
 /// unique on the page, `fallback` the id of the picture that takes its place
