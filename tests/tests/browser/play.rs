@@ -320,8 +320,9 @@ fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let (noisy, truth) = (scene::noisy(), scene::truth());
     let distance = |(p, q): (&[f64; 3], &[f64; 3])| glam::DVec3::from(*p).distance((*q).into());
     let moved: Vec<f64> = shown.positions().iter().zip(noisy.positions()).map(distance).collect();
-    // Displacements are rounded to 2⁻¹⁴ of the extent.
-    ensure!(gap(&numbers(&found[0][1]), &moved) < 2e-3, "displacement");
+    // Displacements are rounded to 2⁻¹⁴ of the power of two below the extent.
+    let off = gap(&numbers(&found[0][1]), &moved);
+    ensure!(off < 3e-3, "displacement: off by {off:e}");
     let off = numbers(&found[1][1]);
     let bound: Vec<f64> = shown.positions().iter().zip(truth.positions()).map(distance).collect();
     ensure!(
