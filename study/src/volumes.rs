@@ -156,7 +156,10 @@ impl Grid {
         let points: Vec<[f64; 3]> = all.map(|(steps, _)| self.point(steps).into()).collect();
         let closest = SurfaceTree::new(mesh)?.closest_to_all(&points);
         let sides = inside(mesh, &points, &closest);
-        let mut found = closest.iter().zip(sides).map(|(at, is_inside)| if is_inside { -at.distance } else { at.distance });
+        let mut found = closest
+            .iter()
+            .zip(sides)
+            .map(|(at, is_inside)| if is_inside { -at.distance } else { at.distance });
         Ok(near
             .into_iter()
             .map(|near| if near { found.next() } else { None }.unwrap_or(f64::NAN))

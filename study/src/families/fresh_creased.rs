@@ -112,7 +112,11 @@ pub(super) fn tower(build: Build) -> TriMesh {
         for i in 0..sides {
             let [a, b] = [i, (i + 1) % sides].map(|i| k * sides + i);
             let [c, d] = [a + sides, b + sides];
-            faces.extend(if rising { [vec![a, b, d], vec![a, d, c]] } else { [vec![a, b, c], vec![b, d, c]] });
+            faces.extend(if rising {
+                [vec![a, b, d], vec![a, d, c]]
+            } else {
+                [vec![a, b, c], vec![b, d, c]]
+            });
         }
     }
     faces.push((storeys * sides..(storeys + 1) * sides).collect());

@@ -64,7 +64,11 @@ pub(super) fn revolve(
     let closed = libm::hypot(from[0] - to[0], from[1] - to[1]) < 1e-9;
     let mut low = begin.clone();
     for (k, &piece) in pieces.iter().enumerate() {
-        let high = if closed && k + 1 == pieces.len() { begin.clone() } else { Ring::new(solid, centre, piece.at(1.0)) };
+        let high = if closed && k + 1 == pieces.len() {
+            begin.clone()
+        } else {
+            Ring::new(solid, centre, piece.at(1.0))
+        };
         band(solid, centre, piece, [&low, &high]);
         low = high;
     }
