@@ -174,6 +174,18 @@ mod tests {
         Results { provenance, form: Default::default(), experiments }
     }
 
+    /// Words that are always needed are in the texts: without them a program would end.
+    #[test]
+    fn every_text_has_its_words() {
+        let opening = [idea(), question(), first_playground().caption];
+        let acts = ACTS.iter().map(Act::about);
+        let rules = RULES.iter().map(Rule::text);
+        let methods = crate::experiments::ALL.iter().map(|experiment| experiment.card().method);
+        for words in opening.into_iter().chain(acts).chain(rules).chain(methods) {
+            assert!(!words.is_empty() && !words.contains('{'), "{words}");
+        }
+    }
+
     #[test]
     fn the_opening_counts_the_claims_and_says_what_to_remember() {
         let none = results(&[]);
