@@ -1,9 +1,7 @@
 //! Code shared by the tests in `tests/tests`.
 
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
 
 use serde_json::Value;
 
@@ -15,9 +13,10 @@ use serde_json::Value;
 /// If cargo cannot build it.
 pub fn program() -> PathBuf {
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    build.args(["build", "--quiet", "--workspace", "--bins", "--message-format=json"]);
-    // Cargo distinguishes builds by this variable.
-    let output = build.env_remove("RUSTC_BOOTSTRAP").output().expect("cargo runs");
+    build.args(["build", "--quiet", "--bin=fairing", "--message-format=json"]);
+    // The root's default members, for the same features.
+    build.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    let output = build.output().expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let messages = String::from_utf8_lossy(&output.stdout);
     let executable = messages.lines().find_map(|line| {
@@ -26,19 +25,6 @@ pub fn program() -> PathBuf {
         message["executable"].as_str().filter(|_| named).map(PathBuf::from)
     });
     executable.expect("cargo names the program")
-}
-
-/// Runs a test of a custom harness. If `FAIRING_TEST_TIMES` names a file, adds a line with the name
-/// and the seconds.
-pub fn timed<T>(name: &str, test: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = test();
-    if let Some(path) = std::env::var_os("FAIRING_TEST_TIMES").map(PathBuf::from) {
-        let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
-        // A time that cannot be written fails no test.
-        let _ = file.and_then(|mut f| writeln!(f, "{name} {:.3}", start.elapsed().as_secs_f64()));
-    }
-    result
 }
 
 /// The examples of the README, compiled and run with the tests.

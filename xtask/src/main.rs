@@ -1,6 +1,6 @@
 //! `cargo xtask …`: see `cargo xtask help`.
 
-mod gate;
+mod ci;
 mod programs;
 mod python;
 mod tasks;
@@ -50,8 +50,9 @@ fn run() -> Result<ExitCode> {
         ["web"] => web::run(&root, web::Extent::Build)?,
         ["web", "--page"] => web::run(&root, web::Extent::Page)?,
         ["web", "--accept"] => web::run(&root, web::Extent::Accept)?,
-        ["test"] => gate::run(&root, python::Extent::Quick)?,
-        ["test", "--python"] => gate::run(&root, python::Extent::Whole)?,
+        ["ci", steps @ ..] if steps.iter().all(|step| !step.starts_with('-')) => {
+            ci::run(&root, steps).map(|()| true)?
+        }
         [name, options @ ..] if help(name).is_some() => {
             bail!("cargo xtask {name} has no option {}", options.join(" "))
         }

@@ -20,7 +20,7 @@ pub(crate) const REPRODUCE: Program = Program { name: "reproduce", options: &[],
 
 /// Times of tasks, in the profile release: what users install is measured.
 pub(crate) const BENCH: Program =
-    Program { name: "bench", options: &["--release"], folder: "release" };
+    Program { name: "bench", options: &["--workspace", "--release"], folder: "release" };
 
 impl Program {
     /// The place of the program: in the folder of its profile, beside the folder of this program.
@@ -31,12 +31,15 @@ impl Program {
         Ok(folder.with_file_name(self.folder).join(file))
     }
 
-    /// Builds the program with the features that its dependencies have in the whole workspace, so
-    /// that the tests and the Python package share them, and runs it in the place of this one.
+    /// Builds the program with the features that its dependencies have in all tests; returns
+    /// `true` on success.
+    pub(crate) fn build(&self, root: &Path) -> Result<bool> {
+        succeeds(cargo(root).args(["build", "--bin", self.name]).args(self.options))
+    }
+
+    /// Builds the program, and runs it in the place of this one.
     pub(crate) fn start(&self, root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
-        let mut build = cargo(root);
-        build.args(["build", "--workspace", "--bin", self.name]).args(self.options);
-        if !succeeds(&mut build)? {
+        if !self.build(root)? {
             return Ok(ExitCode::FAILURE);
         }
         let mut command = Command::new(self.path()?);
@@ -71,6 +74,11 @@ pub(crate) fn on_path(name: &str) -> bool {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     std::env::split_paths(&folders).any(|folder| folder.join(&file).is_file())
+}
+
+/// Says what is skipped, and why.
+pub(crate) fn skip(what: &str, reason: &str) {
+    println!("skipped: {what} ({reason})");
 }
 
 /// Signals, the terminal and the exit code are those of the program.

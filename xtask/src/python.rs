@@ -6,8 +6,10 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::programs::{on_path, succeeds};
+use crate::programs::{cargo, on_path, skip, succeeds};
 
+/// The folder of the environment of the tests.
+const ENVIRONMENT: &str = "target/python/test";
 /// Packages that build the wheel: for Linux with a linker for old versions of glibc.
 const BUILD: &str = "maturin>=1.9,<2 ziglang";
 /// The oldest systems with glibc on which the wheel runs: RHEL 8, Debian 10, Ubuntu 20.04. Maturin
@@ -18,21 +20,11 @@ const MANYLINUX: &str = "manylinux_2_28";
 const FREE_THREADED: &str = "python3.14t";
 /// Packages required by the tests.
 const TESTS: &str = "numpy scipy pytest pytest-xdist hypothesis";
-/// Packages required by single tests, which are skipped without them.
-const PEERS: &str = "tqdm trimesh pygltflib meshio libigl robust_laplacian potpourri3d lapy";
-/// Packages for slow tests and tests of data sets, notebooks and types, likewise; pyright with its
-/// Node.js from the package index.
-const MORE: &str = "mypy pyright[nodejs] matplotlib nbclient ipykernel dask[dataframe] distributed \
-                    pandas pyarrow fsspec";
-
-/// The tests of the package to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Extent {
-    /// The quick tests, on the library built in the workspace.
-    Quick,
-    /// All tests, on the wheel that users install.
-    Whole,
-}
+/// Packages required by single tests, which are skipped without them; pyright with its Node.js from
+/// the package index.
+const PEERS: &str = "tqdm trimesh pygltflib meshio libigl robust_laplacian potpourri3d lapy mypy \
+                     pyright[nodejs] matplotlib nbclient ipykernel dask[dataframe] distributed \
+                     pandas pyarrow fsspec";
 
 /// A virtual environment.
 struct Environment {
@@ -106,10 +98,12 @@ pub(crate) fn wheel(root: &Path) -> Result<PathBuf> {
     Ok(wheel)
 }
 
-/// Puts the package together from its sources and the library that the workspace has built.
-fn assemble(root: &Path) -> Result<PathBuf> {
-    let folder = root.join("target/python/package");
-    let package = folder.join("pyfairing");
+/// Puts the package, its sources and the library that the workspace has built, into the
+/// environment.
+fn assemble(root: &Path, environment: &Environment) -> Result<()> {
+    let place = "import sysconfig; print(sysconfig.get_path('platlib'), end='')";
+    let output = Command::new(environment.program("python")).args(["-c", place]).output()?;
+    let package = Path::new(&String::from_utf8(output.stdout)?).join("pyfairing");
     if package.is_dir() {
         fs::remove_dir_all(&package)?;
     }
@@ -125,55 +119,51 @@ fn assemble(root: &Path) -> Result<PathBuf> {
     let name = if cfg!(windows) { "_core.pyd" } else { "_core.abi3.so" };
     let copied = fs::copy(&built, package.join(name));
     copied.with_context(|| format!("copying {}", built.display()))?;
-    Ok(folder)
+    Ok(())
 }
 
-/// Runs the tests of the package in a virtual environment; returns `true` if they pass, and adds
-/// those that are skipped, with the reason.
-pub(crate) fn test(
-    root: &Path,
-    extent: Extent,
-    skipped: &mut Vec<(String, String)>,
-) -> Result<bool> {
-    let environment = match Environment::new(root.join("target/python/test"), TESTS) {
+/// Runs the tests of the package in a virtual environment, on the library in the profile of the
+/// other tests; names what is skipped.
+pub(crate) fn test(root: &Path) -> Result<()> {
+    let environment = match Environment::new(root.join(ENVIRONMENT), TESTS) {
         Ok(environment) => environment,
         Err(error) => {
-            skipped.push(("the Python package: every test".to_owned(), format!("{error:#}")));
-            return Ok(true);
+            skip("the Python package", &format!("{error:#}"));
+            return Ok(());
         }
     };
-    let more = if extent == Extent::Whole { MORE } else { "" };
-    let wanted = format!("{PEERS} {more}");
     // All at once where that works; a package that is not there must not take the others along.
-    if !environment.install(&wanted)? {
-        for package in wanted.split_whitespace() {
+    if !environment.install(PEERS)? {
+        for package in PEERS.split_whitespace() {
             if !environment.install(package)? {
-                let what = format!("Python tests with {package}");
-                skipped.push((what, "pip cannot install it".to_owned()));
+                skip(&format!("Python tests with {package}"), "pip cannot install it");
             }
         }
     }
+    // With the features that its dependencies have in the other tests.
+    let built = succeeds(cargo(root).args(["build", "--workspace", "--lib", "--locked"]))?;
+    ensure!(built, "the library for Python does not compile");
+    assemble(root, &environment)?;
+    pytest(root, &environment, &["-n", "auto", "--dist", "loadfile", "--durations=10"])
+}
+
+/// Builds the wheel, installs it as a user would, and compares its metadata.
+pub(crate) fn install(root: &Path) -> Result<()> {
+    let wheel = wheel(root)?;
+    let environment = Environment::new(root.join(ENVIRONMENT), TESTS)?;
+    let mut install = environment.pip();
+    install.args(["--force-reinstall", "--no-deps"]).arg(&wheel);
+    ensure!(succeeds(&mut install)?, "pip cannot install {}", wheel.display());
+    pytest(root, &environment, &["tests/test_documentation.py", "-k", "metadata or laboratory"])
+}
+
+/// Runs pytest on the installed package.
+fn pytest(root: &Path, environment: &Environment, arguments: &[&str]) -> Result<()> {
     // The program, not the module, which would put the sources before what is installed.
     let mut pytest = Command::new(environment.program("pytest"));
-    pytest.args(["-p", "no:cacheprovider", "-rs"]).current_dir(root.join("python"));
-    // Most tests keep one processor busy; those of a file share a cluster.
-    pytest.args(["-n", "auto", "--dist", "loadfile"]);
+    pytest.args(["-p", "no:cacheprovider", "-rs"]).args(arguments);
+    pytest.current_dir(root.join("python")).env_remove("PYTHONPATH");
     pytest.env("PYTHONDONTWRITEBYTECODE", "1");
-    match extent {
-        Extent::Quick => {
-            skipped.push((
-                "the Python package: its wheel, slow tests, data sets, notebooks, types".to_owned(),
-                "cargo xtask test --python runs them".to_owned(),
-            ));
-            pytest.args(["-m", "not slow and not cluster"]).env("PYTHONPATH", assemble(root)?);
-        }
-        Extent::Whole => {
-            let wheel = wheel(root)?;
-            let mut install = environment.pip();
-            install.args(["--force-reinstall", "--no-deps"]).arg(&wheel);
-            ensure!(succeeds(&mut install)?, "pip cannot install {}", wheel.display());
-            pytest.arg("--durations=10").env_remove("PYTHONPATH");
-        }
-    }
-    succeeds(&mut pytest)
+    ensure!(succeeds(&mut pytest)?, "pytest has found failures");
+    Ok(())
 }

@@ -10,20 +10,21 @@ pub(crate) const TASKS: [(&str, &str); 9] = [
     ("tidy", "Check lengths of files and lines, comments, documents, citations, circles of files"),
     ("wheel", "Build the wheel of the Python package into target/wheels, with maturin"),
     ("web", "Build the module for browsers and the laboratory, target/web/fairing.html"),
-    ("test", "Run everything that guards a merge"),
+    ("ci", "Run the checks beside cargo test: lints, browser, Python and others, or some of them"),
 ];
 
-const TEST: &str = "\
-Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
-
-The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these tests are
-skipped by name. So are tests and checks by programs that are not installed, such as Node, Chromium or cargo-deny.
-
-Usage: cargo xtask test [--python]
-
-Options:
-      --python  Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
-  -h, --help    Print help";
+/// The name and the description of each step of the task `ci`, in the order in which they run.
+pub(crate) const STEPS: [(&str, &str); 9] = [
+    ("lint", "tidy, format, lints, documentation, licences of dependencies"),
+    ("browser", "quick experiments against their accepted values, and their page in Chromium"),
+    ("meshes", "tests on real meshes, in the folder that FAIRING_MESHES names"),
+    ("processors", "instructions of the kernels, and the program on emulated processors"),
+    ("python", "the Python package, with data sets, notebooks and type checkers"),
+    ("features", "conversions behind features that are off, and LAPACK as an oracle"),
+    ("recipes", "the recipes of docs/architecture.md, in a copy of the workspace"),
+    ("module", "the module for browsers: the committed one, and one from source"),
+    ("release", "the packages of all crates, and the wheel"),
+];
 
 const WEB: &str = "\
 Build the module for browsers from source, test it in Node, write the laboratory, target/web/fairing.html, and test it in
@@ -53,8 +54,18 @@ pub(crate) fn overview() -> String {
 pub(crate) fn help(name: &str) -> Option<String> {
     let (_, about) = TASKS.iter().find(|task| task.0 == name)?;
     Some(match name {
-        "test" => TEST.to_owned(),
+        "ci" => ci(),
         "web" => WEB.to_owned(),
         _ => format!("{about}\n\nUsage: cargo xtask {name}"),
     })
+}
+
+fn ci() -> String {
+    let steps = STEPS.map(|(name, about)| format!("  {name:<11} {about}\n")).concat();
+    format!(
+        "Run the checks that guard a merge beside `cargo test`: all, or the steps that are named\n\n\
+         Tests and checks by programs that are not installed, such as Node, Chromium or \
+         cargo-deny, are skipped by name.\n\n\
+         Usage: cargo xtask ci [STEP]...\n\nSteps:\n{steps}"
+    )
 }

@@ -1,4 +1,4 @@
-//! The page of all experiments, as the quick run of `cargo xtask test` writes it.
+//! The page of all experiments, as the step `browser` of `cargo xtask ci` writes it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

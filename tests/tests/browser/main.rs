@@ -33,10 +33,10 @@ fn main() {
     let trial = |name: String, page: Page, test: Test| {
         let (program, shared) = (browser.clone(), Arc::clone(&shared));
         let absent = program.is_none() || matches!(&page, Page::File(path) if !path.is_file());
-        Trial::test(name.clone(), move || match program {
-            Some(program) => fairing_tests::timed(&name, || {
+        Trial::test(name, move || match program {
+            Some(program) => {
                 run(&program, &shared, &page, test).map_err(|e| Failed::from(format!("{e:#}")))
-            }),
+            }
             None => Ok(()),
         })
         .with_kind("chromium")

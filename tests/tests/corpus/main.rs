@@ -36,8 +36,8 @@ fn main() {
             let folder = folder.clone();
             let absent = folder.is_none();
             let name = format!("{area}::{name}");
-            Trial::test(name.clone(), move || match folder {
-                Some(folder) => fairing_tests::timed(&name, || test(&folder)),
+            Trial::test(name, move || match folder {
+                Some(folder) => test(&folder),
                 None => Ok(()),
             })
             .with_ignored_flag(absent)

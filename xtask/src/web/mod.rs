@@ -10,6 +10,7 @@ use anyhow::{Result, ensure};
 use zopfli::{Format, Options};
 
 use crate::programs::{cargo, succeeds};
+pub(crate) use toolchain::is_available;
 use toolchain::{TARGET, Toolchain};
 
 /// The committed module, from the root.
@@ -27,7 +28,7 @@ pub(crate) enum Extent {
 }
 
 /// Tests of the module: the target, and its arguments. The other tests of the laboratory are about
-/// the page, and the gate runs them with the committed module.
+/// the page, and the step `browser` runs them with the committed module.
 const TESTS: [(&str, &[&str]); 2] =
     [("module", &[]), ("browser", &["laboratory::every_sample_opens_and_every_task_runs"])];
 
@@ -52,8 +53,9 @@ pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
     println!("module: {} bytes, {} compressed", module.len(), bytes.len());
     for (target, arguments) in TESTS {
         let mut test = cargo(root);
-        // The whole workspace, as in the gate: with other features, crates compile again.
-        test.args(["test", "--workspace", "--locked", "--test", target, "--"]).args(arguments);
+        // The whole workspace, as elsewhere: with other features, crates compile again.
+        test.args(["test", "--workspace", "--locked", "--features", "fairing-tests/browser"]);
+        test.args(["--test", target, "--"]).args(arguments);
         test.env("FAIRING_WEB_MODULE", &packed);
         if !succeeds(&mut test)? {
             return Ok(false);

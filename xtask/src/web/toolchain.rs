@@ -40,6 +40,12 @@ fn is_installed() -> bool {
     })
 }
 
+/// Returns true if there is a compiler with the target, or packages with one.
+pub(crate) fn is_available() -> bool {
+    let package = Command::new("apt-cache").args(["show", "rustc-web"]).output();
+    is_installed() || package.is_ok_and(|output| output.status.success())
+}
+
 impl Toolchain {
     /// The installed one, or else Debian's in this folder, fetched if it is not there.
     pub(super) fn find(folder: &Path) -> Result<Self> {
