@@ -23,6 +23,7 @@ mod many_files;
 mod masks;
 mod mending;
 mod public_types;
+mod readme;
 mod rendering;
 mod report;
 mod robustness;
