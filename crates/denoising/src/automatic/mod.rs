@@ -53,8 +53,8 @@ fairing_parameters::options! {
 }
 
 /// Denoises without parameters that have to be chosen: noise level and kind of surface are
-/// estimated from the mesh. `docs/denoising.md` in the repository describes the method, its
-/// constants and its limits.
+/// estimated from the mesh. In the repository, `docs/denoising.md` has results and limits,
+/// `study/DESIGN.md` the constants and their reasons.
 ///
 /// 1. [Spikes](Automatic::spikes) are put on the surface around them.
 /// 2. On surfaces of volumes, as marching cubes makes them, the ends of short edges are merged, and
