@@ -49,7 +49,7 @@ fairing_parameters::options! {
         /// A factor on the estimated noise, for a result that is too smooth or too rough.
         pub strength: f64 = 1.0, in Range::POSITIVE;
     }
-    "automatic": "estimates everything from the mesh; keeps creases", [];
+    "automatic": "estimates noise and surface from the mesh; keeps creases", [];
 }
 
 /// Denoises without parameters that have to be chosen: noise level and kind of surface are

@@ -57,7 +57,7 @@ impl Length {
     }
 }
 
-/// Vertices whose balls are examined beforehand.
+/// Vertices whose balls are examined in advance.
 const SAMPLES: usize = 256;
 
 /// The most elements of a ball, on average, over those of a regular mesh of the same mean edge.
