@@ -2,6 +2,7 @@
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
+mod advice;
 mod command_line;
 mod convergence;
 mod denoising;
