@@ -85,7 +85,7 @@ impl Allowed {
         allowed
     }
 
-    /// At least this level everywhere.
+    /// Raises the level to at least `sigma` everywhere.
     pub(super) fn at_least(&mut self, sigma: f64) {
         let square = sigma * sigma;
         self.whole = self.whole.max(square);
