@@ -1,4 +1,4 @@
-//! Denoising without parameters.
+//! Denoising with parameters that are estimated from the mesh.
 
 mod around;
 mod choice;
@@ -52,9 +52,10 @@ fairing_parameters::options! {
     "automatic": "estimates noise and surface from the mesh; keeps creases", [];
 }
 
-/// Denoises without parameters that have to be chosen: noise level and kind of surface are
-/// estimated from the mesh. In the repository, `docs/denoising.md` has results and limits,
-/// `study/DESIGN.md` the constants and their reasons.
+/// Denoises with a noise level and a kind of surface that are estimated from the mesh.
+///
+/// In the repository, `docs/denoising.md` has results and limits, `study/DESIGN.md` the constants
+/// and their reasons.
 ///
 /// 1. [Spikes](Automatic::spikes) are put on the surface around them.
 /// 2. On surfaces of volumes, as marching cubes makes them, the ends of short edges are merged, and
