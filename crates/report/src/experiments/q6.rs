@@ -138,7 +138,7 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     let say = |is: bool, [yes, no]: [&str; 2], values: Values<'_>| {
         TEXT.say(if is { yes } else { no }, values)
     };
-    let moves = values! { moved: MOVED, border, inside, closed, volume };
+    let moves = values! { moved: MOVED, border, inside, closed, loss: -volume };
     let bests = values! {
         claimed: CLAIMED, patch, part, normals, patch_time: patch * ITERATIONS as f64,
         part_time: part * ITERATIONS as f64,
