@@ -199,7 +199,7 @@ def spectrum(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Spectrum:
-    """The k smoothest modes of the Laplacian: S φ = λ M φ.
+    """The k smoothest modes of the Laplacian: S φ = ω M φ.
 
     Parameters
     ----------
@@ -219,7 +219,8 @@ def spectrum(
     -------
     Spectrum
         `values` (k,), ascending, in 1 / squared mesh units; `modes` (n, k), orthonormal in
-        the mass; `residuals` (k,); `certified`, true if it is proved that no mode was missed.
+        the mass; `residuals` (k,); `certified`, true if an inertia count has verified that no
+        mode is missing.
 
     Raises
     ------

@@ -122,7 +122,7 @@ class GeodesicSolver:
     def path(
         self, start: int, sources: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
     ) -> Floats:
-        """The shortest path from a vertex to the nearest source.
+        """The descent path from a vertex to the nearest source.
 
         Parameters
         ----------
@@ -232,7 +232,9 @@ def geodesic_path(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Floats:
-    """The shortest path from a vertex to the nearest source: down the gradient of the distance.
+    """The descent path from a vertex to the nearest source, down the gradient of the distance.
+
+    It is close to the shortest path; the difference decreases with the edge length.
 
     For several paths, create one `GeodesicSolver`.
 

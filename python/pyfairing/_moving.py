@@ -174,7 +174,7 @@ def scan(
 ) -> Self:
     """The mesh as a depth camera sees it: the depth image as a mesh, without noise.
 
-    The ground truth of a sensor's mesh, which `noise` simulates. +y is up, or +z for a camera that
+    The ground truth of a depth camera's mesh, whose noise `noise` simulates. +y is up, or +z for a camera that
     looks along y.
 
     Parameters

@@ -96,13 +96,13 @@ def repair(
     Parameters
     ----------
     merge : bool
-        Merge vertices at one place, and drop faces that lose a corner by it.
+        Merge vertices at the same place, and drop faces that lose a corner.
     tolerance : float, optional
         The distance up to which vertices are merged, 0 for exactly equal positions. A vertex
         moves to the first one within the distance that stays. By default four units in the last
         place of single-precision coordinates, at boundaries, and only where no face collapses,
-        no edge gets an odd number of faces above one and no face lies on another: what a file
-        in single precision cannot tell apart. Numbers written with fewer than seven digits
+        no edge gets an odd number of faces above one and no face lies on another, because a file
+        in single precision does not distinguish such vertices. Numbers written with fewer than seven digits
         need a tolerance.
     unit : {'edge', 'model', 'diagonal'}
         Of the tolerance: mean edge lengths of this mesh (from 0 to 1), mesh units, or diagonals
@@ -113,10 +113,10 @@ def repair(
         between two closed parts.
     orient : bool
         Flip faces so that neighbours agree, and closed parts that are inside out and in no
-        other one, with their contents.
+        other part, with their contents.
     cavities : bool
-        Flip closed parts also within others, so that normals point outwards, or inwards where
-        an odd number of others is around: a solid within a solid becomes a cavity.
+        Flip closed parts inside others, too, so that normals point outwards, or inwards where
+        they are inside an odd number of others: a solid inside a solid becomes a cavity.
     split : bool
         Give a vertex of its own to each sheet of faces at a non-manifold edge or vertex.
     smallest_component : int
@@ -128,7 +128,7 @@ def repair(
         Drop vertices that no face uses, unless there are no faces at all.
     holes : int
         Fill holes of at most this many edges, at most 2000, by patches that continue the
-        surface around them. The rim of an open surface counts as a hole, too.
+        surface around them. The boundary of an open surface counts as a hole, too.
     {run}
 
     Returns

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Spectrum:
-    """The k smoothest modes of a mesh, S φ = λ M φ; made by `Mesh.spectrum` or `Spectrum.load`.
+    """The k smoothest modes of a mesh, S φ = ω M φ; made by `Mesh.spectrum` or `Spectrum.load`.
 
     Modes with equal eigenvalues are an arbitrary basis of their eigenspace; `clusters` groups them.
     Every mode is 0 at isolated and fixed vertices.
@@ -44,7 +44,7 @@ class Spectrum:
 
     @property
     def values(self) -> Floats:
-        """λ, ascending, (k,), in 1 / squared mesh units."""
+        """ω, ascending, (k,), in 1 / squared mesh units."""
         return self._core.values
 
     @property
@@ -54,12 +54,12 @@ class Spectrum:
 
     @property
     def residuals(self) -> Floats:
-        """‖S φ - λ M φ‖ in the M⁻¹ norm of each mode, (k,), in the unit of λ."""
+        """‖S φ - ω M φ‖ in the M⁻¹ norm of each mode, (k,), in the unit of ω."""
         return self._core.residuals
 
     @property
     def certified(self) -> bool:
-        """True if it is proved that no smaller eigenvalue was missed."""
+        """True if an inertia count has verified that no smaller eigenvalue is missing."""
         return self._core.certified
 
     @property
@@ -187,14 +187,14 @@ class Spectrum:
         threads: int | None = None,
         progress: Progress = None,
     ) -> Floats:
-        """Multiplies the coefficient of each mode: Σ h(λᵢ) φᵢ φᵢᵀ M f.
+        """Multiplies the coefficient of each mode: Σ h(ωᵢ) φᵢ φᵢᵀ M f.
 
         Parameters
         ----------
         field : array_like, shape (n,) or (n, d)
             Values at the vertices.
         response : callable or array_like, shape (k,)
-            h, called with the array of λ, or the values h(λᵢ).
+            h, called with the array of ω, or the values h(ωᵢ).
         rest : float, optional
             Factor of the part of the field outside the modes; by default that part is dropped.
         {run}
@@ -250,7 +250,7 @@ class Spectrum:
         threads: int | None = None,
         progress: Progress = None,
     ) -> Floats:
-        """The heat kernel signature, Σ exp(-λᵢ t) φᵢ(x)².
+        """The heat kernel signature, Σ exp(-ωᵢ t) φᵢ(x)².
 
         Parameters
         ----------
@@ -281,9 +281,9 @@ class Spectrum:
         Parameters
         ----------
         energies : int or array_like, shape (e,)
-            The energies, in ln λ; a number is the `count` of `wave_kernel_energies`.
+            The energies, in ln ω; a number is the `count` of `wave_kernel_energies`.
         sigma : float, optional
-            The deviation of ln λ; required unless `energies` is a number, whose default is the
+            The deviation of ln ω; required unless `energies` is a number, whose default is the
             deviation of `wave_kernel_energies`.
         {run}
 
@@ -306,15 +306,15 @@ class Spectrum:
         else:
             levels = _arrays.field(energies, np.size(energies), "energies")
         if sigma is None:
-            raise _core.OptionError("energies without sigma, their deviation in ln λ")
+            raise _core.OptionError("energies without sigma, their deviation in ln ω")
         return self._core.wave_kernel_signature(levels, float(sigma), call(threads, progress))
 
     def wave_kernel_energies(self, count: int = 100) -> tuple[Floats, float]:
-        """Energies evenly spaced in ln λ, (count,), and the deviation σ: seven times their spacing."""
+        """Energies evenly spaced in ln ω, (count,), and the deviation σ: seven times their spacing."""
         return self._core.wave_kernel_energies(_arrays.whole(count, "count"))
 
     def global_point_signature(self) -> Floats:
-        """φᵢ(x) / √λᵢ for the modes with λ above zero, (n, modes), dimensionless."""
+        """φᵢ(x) / √ωᵢ for the modes with ω above zero, (n, modes), dimensionless."""
         return self._core.global_point_signature(call())
 
     def shape_dna(self) -> Floats:

@@ -40,7 +40,7 @@ def _make(name: str, lengths: list[float], counts: list[int], word: str = "", se
 
 
 def icosphere(level: int = 3) -> Mesh:
-    """The unit sphere from an icosahedron; each level has four times the faces: 10 · 4ˡ + 2 vertices."""
+    """The unit sphere from an icosahedron; each level quadruples the faces: 10 · 4ˡ + 2 vertices."""
     return _make("icosphere", [], [level])
 
 
@@ -76,7 +76,7 @@ def cylinder(
 
 
 def plane(columns: int = 32, rows: int = 32, diagonals: Diagonals = "regular") -> Mesh:
-    """The unit square in the plane z = 0, made of squares cut along a diagonal."""
+    """The unit square in the plane z = 0, divided into squares that are cut along a diagonal."""
     return _make("plane", [], [columns, rows], diagonals)
 
 
@@ -86,7 +86,7 @@ def irregular_plane(spacing: float = 0.03, seed: int = 1) -> Mesh:
 
 
 def cube(squares: int = 16, diagonals: Diagonals = "regular") -> Mesh:
-    """A cube with a number of squares along each side."""
+    """A cube whose faces are divided into `squares` × `squares` squares."""
     return _make("cube", [], [squares], diagonals)
 
 

@@ -84,10 +84,18 @@ PAGES = [HERE / "README.md", HERE.parent / "docs" / "python.md"]
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_first_program_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = page.read_text("utf-8").split("```python\n")[1].split("```")[0]
+    shutil.copytree(HERE.parent / "data", tmp_path / "data")
     monkeypatch.chdir(tmp_path)
-    pf.shapes.bumpy_sphere(3, 0.1, 5.0).write("bunny.ply")
     exec(code, {})
     assert (tmp_path / "out.ply").exists()
+
+
+def test_session_of_the_readme_prints_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(HERE.parent / "data", tmp_path / "data")
+    monkeypatch.chdir(tmp_path)
+    code = (HERE.parent / "README.md").read_text("utf-8").split("```python\n")[1].split("```")[0]
+    session = doctest.DocTestParser().get_doctest(code, {}, "README", None, None)
+    assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(session) == (0, 5)
 
 
 GUIDE = sorted((HERE.parent / "docs" / "guide" / "src").glob("*.md"))

@@ -112,7 +112,12 @@ pub(crate) fn write(comparison: Option<&Path>, finest: u32) -> Result<()> {
 
 const HEAD: &str = "# Speed
 
-`cargo xtask bench page` wrote this page. `cargo xtask bench TASK --in FILE` measures one task on your mesh.
+`cargo xtask bench page` writes this page. `cargo xtask bench TASK --in FILE` measures one task on your mesh.
+
+Two kinds of times have the same names on all pages. *Best of many* is the least time of a task that a process repeats:
+caches are warm and memory is allocated. *First of a process* is the time of the first run in a new process, as in one
+call of a program. Neither starts the program, and neither reads the file unless that is the task. Tables measured on
+different days differ: compare times within one table only.
 ";
 
 /// Runs every task on every sphere, each in a process of its own.
@@ -175,25 +180,45 @@ const COMPARED: [(&str, &str); 19] = [
     ("eigs100", "100 eigenpairs"),
     ("eigs300", "300 eigenpairs"),
     ("harmonic1", "harmonic system, factorised and solved"),
-    ("harmonic2", "biharmonic system, the same"),
-    ("harmonic3", "triharmonic system, the same"),
+    ("harmonic2", "biharmonic system, factorised and solved"),
+    ("harmonic3", "triharmonic system, factorised and solved"),
 ];
 
-/// Ratios to the fastest of the others, from the results of a comparison: a list `results` of tasks
-/// with `rows`, each with name, threads, `min` and `cold_median` in seconds, and `ours`; and a
-/// `note` on how it was made, if there is one.
+/// A text of a JSON object; empty if there is none.
+fn text(value: &Value, key: &str) -> String {
+    value[key].as_str().unwrap_or_default().to_owned()
+}
+
+/// The versions of other programs and libraries that a comparison recorded.
+fn versions(results: &Value) -> String {
+    let recorded = results["versions"].as_object().into_iter().flatten();
+    let names =
+        recorded.filter_map(|(name, version)| Some(format!("{name} {}", version.as_str()?)));
+    let names: Vec<String> = names.collect();
+    if names.is_empty() {
+        return "The versions of the other programs and of their BLAS were not recorded."
+            .to_owned();
+    }
+    format!("Versions: {}.", names.join(", "))
+}
+
+/// Ratios to the fastest of the others, the largest first, from the results of a comparison: a list
+/// `results` of tasks with `rows`, each with name, threads, `min` and `cold_median` in seconds, and
+/// `ours`; and a `note` on how it was made and `versions`, if there are any.
 fn compared(results: &Value) -> Result<String> {
-    let text = |value: &Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
     let mut page = format!(
-        "\n## Against other libraries\n\nSeconds on {}, {}. The programs took turns, each with one thread and with two, \
-         and the better counts. “Best” is the least time of any run, “first” the median of the first runs of the \
-         processes, which is what one call of a program takes, without reading the file unless that is the task. Other \
-         programs count if their answer is the same, also if they check nothing: `from_chars` is a bare reader of OBJ, \
-         and numpy writes its arrays as they are.\n\n\
-         | Task | Mesh | Best | Best other | Ratio | First | Best other | Ratio |\n|---|---|--:|---|--:|--:|---|--:|\n",
+        "\n## Against other libraries\n\nSeconds on {}, {}. {} Runs alternate between programs. Each program \
+         is timed with one and with two threads, and the faster is shown. A program is included if its \
+         result agrees, even if it checks no errors: `from_chars` is a bare reader of OBJ, and numpy \
+         writes its arrays as they are. A ratio above 1 is a loss; losses are first. First of a process \
+         is a median over processes.\n\n\
+         | Task | Mesh | Best of many | Best other | Ratio | First of a process | Best other | Ratio |\n\
+         |---|---|--:|---|--:|--:|---|--:|\n",
         text(results, "cpu"),
         text(results, "when"),
+        versions(results),
     );
+    let mut lines: Vec<(f64, String)> = vec![];
     for result in results["results"].as_array().context("the comparison has no results")? {
         let rows = result["rows"].as_array().context("a task has no rows")?;
         let Some(ours) = rows.iter().find(|r| r["ours"] == true && r["min"].is_f64()) else {
@@ -203,6 +228,7 @@ fn compared(results: &Value) -> Result<String> {
         let words = COMPARED.iter().find(|(name, _)| *name == task).map(|(_, words)| *words);
         let words = words.with_context(|| format!("no words for the task {task}"))?;
         let mut cells = vec![words.to_owned(), text(result, "mesh").replace('_', " ")];
+        let mut largest: f64 = 0.0;
         for key in ["min", "cold_median"] {
             let seconds = ours[key].as_f64().context("a row has no times")?;
             let others = rows.iter().filter(|r| {
@@ -215,9 +241,12 @@ fn compared(results: &Value) -> Result<String> {
             cells.push(rounded(seconds));
             cells.push(format!("{} {}", rounded(best.0), best.1));
             cells.push(format!("{:.2}", seconds / best.0));
+            largest = largest.max(seconds / best.0);
         }
-        let _ = writeln!(page, "| {} |", cells.join(" | "));
+        lines.push((largest, format!("| {} |\n", cells.join(" | "))));
     }
+    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+    page.extend(lines.into_iter().map(|(_, line)| line));
     if let Some(note) = results["note"].as_str() {
         let _ = writeln!(page, "\n{note}");
     }
@@ -227,10 +256,12 @@ fn compared(results: &Value) -> Result<String> {
 /// The table of times over the number of vertices.
 fn over_size(rows: &[Row]) -> String {
     let mut page = format!(
-        "\n## Over the number of vertices\n\nSeconds of a task in a process that does nothing else (the middle of three up to 170 thousand vertices, else one), on spheres with noise of {NOISE} h and twice as many faces as vertices, without reading the file unless that is the task; {}. Ten steps where nothing \
-         else is said; systems are assembled, factorised and solved for three columns, and the solution is refined. The \
-         exponent is the slope of the line of least squares through the logarithms; memory is the largest of the process \
-         at the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
+        "\n## Over the number of vertices\n\nSeconds, first of a process, on {}. The value is the median of three \
+         processes up to 170 thousand vertices and one process above. Meshes are spheres with noise of \
+         {NOISE} h and twice as many faces as vertices. Flows take ten steps unless the row has another \
+         number. Systems are assembled, factorised, solved for three columns and refined. The exponent is \
+         the slope of the least-squares line through the logarithms; memory is the peak of the process at \
+         the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
         machine(),
     );
     let most = rows.iter().max_by_key(|row| row.times.len());
@@ -255,10 +286,11 @@ fn over_size(rows: &[Row]) -> String {
 /// The table of the rates of a product with S and of a triad.
 fn bandwidth(rates: &[Rate]) -> String {
     let mut page = String::from(
-        "\n## Share of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its rate counts \
-         values, columns and row starts of S, and every position once in and once out; the triad a = b + s c is that of \
-         STREAM, on arrays of 64 MB, in the same process. A rate above the triad's means that a cache held part of the \
-         matrix.\n\n| Vertices | S times three columns, GB/s | Triad, GB/s | Share |\n|--:|--:|--:|--:|\n",
+        "\n## Fraction of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its \
+         rate counts values, columns and row starts of S, and every position once in and once out. The \
+         triad a = b + s c is that of STREAM, on arrays of 64 MB, in the same process. A rate above that of \
+         the triad means that a cache held part of the matrix.\n\n\
+         | Vertices | S times three columns, GB/s | Triad, GB/s | Fraction |\n|--:|--:|--:|--:|\n",
     );
     for Rate { vertices, triad, product } in rates {
         if let (Some(triad), Some(product)) = (triad, product) {

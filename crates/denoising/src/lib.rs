@@ -2,8 +2,9 @@
 //!
 //! # Overview
 //!
-//! [`automatic`] has no parameters. The others are published methods, each one function with one
-//! options struct; [`Denoiser`] has them all by name. All keep the faces and the order of vertices.
+//! [`automatic`] estimates its parameters from the mesh. The others are published methods, each one
+//! function with one options struct; [`Denoiser`] has them all by name. All keep the faces and the
+//! order of vertices.
 //! Faces that turn against the rest of their part count as flipped
 //! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input.
 //! A mesh whose faces do not share their corners is refused. [`Masked`] fixes vertices of a mesh.

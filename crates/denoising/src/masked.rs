@@ -9,7 +9,7 @@ use super::error::DenoiseError;
 
 /// A mesh, and the vertices of it that a denoiser does not move.
 ///
-/// Every denoiser takes it in place of a plain mesh, all of whose vertices may move. Fixed vertices
+/// Every denoiser takes it instead of a plain mesh, all of whose vertices may move. Fixed vertices
 /// keep the bits of their positions in every step. They still count as noisy: the normals of their
 /// faces are estimated like all others, and the vertices beside them move towards these. The noise
 /// level is measured at the vertices that may move, and so is the distance of the result from the

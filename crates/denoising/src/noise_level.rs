@@ -58,7 +58,7 @@ pub struct NoiseEstimate {
     pub tail_ratio: f64,
     /// The ratio of the 10th percentile to the median of the residuals' absolute
     /// values, over that of a Gaussian: less than 1 where the level varies over the surface, or
-    /// where details that a quadric misses are taken for noise.
+    /// where details that a quadric misses look like noise.
     pub low_ratio: f64,
     /// The correlation of residuals across edges, from −1 to 1; residuals beyond three σ̂ count as
     /// three. Independent noise gives about −0.27, since each residual is in the fits of its

@@ -7,7 +7,7 @@ use rand::distr::Open01;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng as _;
 
-/// Where the tail begins, and the area of each layer, of 256 layers.
+/// The start of the tail, and the area of each of 256 layers.
 const TAIL: f64 = 3.654_152_885_361_009;
 const LAYER: f64 = 0.004_928_673_233_99;
 

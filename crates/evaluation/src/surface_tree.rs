@@ -49,13 +49,13 @@ pub struct Closest {
 #[doc(alias("aabb_tree", "bvh"))]
 #[derive(Debug)]
 pub struct SurfaceTree {
-    /// From the faces up to the root: quad `i` of level 0 holds the boxes of
-    /// triangles `4i` to `4i + 3`, of the others those of quads `4i` to
+    /// Levels from the faces up to the root: quad `i` of level 0 holds the boxes of
+    /// triangles `4i` to `4i + 3`, quad `i` of a higher level those of quads `4i` to
     /// `4i + 3` of the level below.
     levels: Vec<Vec<Quad>>,
     /// Corners along the curve.
     triangles: Vec<[DVec3; 3]>,
-    /// The face of each of them.
+    /// The face of each triangle.
     faces: Vec<u32>,
     frame: Frame,
     /// The faces of hubs, which follow those of the levels.
@@ -66,9 +66,9 @@ pub struct SurfaceTree {
 #[derive(Debug)]
 struct Fan {
     hub: DVec3,
-    /// Those of the faces, in the levels of their tree.
+    /// The slots of the faces, in the levels of their tree.
     slots: Range<usize>,
-    /// As of the tree, with boxes around directions, in units of [`Frame::HALF`].
+    /// Levels as of the tree, with boxes around directions, in units of [`Frame::HALF`].
     levels: Vec<Vec<Quad>>,
     /// The box of the faces, four times.
     around: Quad,

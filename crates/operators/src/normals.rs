@@ -34,9 +34,9 @@ pub enum NormalWeight {
 
 fairing_parameters::choices!(NormalWeight, "weight of normals",
     Area: "area", "By area: robust and cheap";
-    Angle: "angle", "By the angle at the vertex: however flat regions are triangulated";
+    Angle: "angle", "By the angle at the vertex: independent of how flat regions are triangulated";
     Sphere: "sphere", "By area over squared sides: exact on spheres";
-    Uniform: "uniform", "All faces alike";
+    Uniform: "uniform", "Equal weights";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(NormalWeight);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::spectrum::Spectrum;
 
-/// Residuals count as at least this fraction of λ, the usual tolerance: smaller ones are rounding,
+/// Residuals count as at least this fraction of ω, the usual tolerance: smaller ones are rounding,
 /// on which clusters must not depend.
 const MIN_RESIDUAL: f64 = 1e-9;
 
@@ -28,8 +28,8 @@ impl Spectrum {
 
     /// The modes in clusters of equal and nearly equal eigenvalues, ascending.
     ///
-    /// A gap separates neighbours if |λᵢ₊₁ − λᵢ| is more than 10⁵ times the larger of their
-    /// residuals, taken as at least 10⁻⁹ λ: modes on both sides are then determined to an angle of
+    /// A gap separates neighbours if |ωᵢ₊₁ − ωᵢ| is more than 10⁵ times the larger of their
+    /// residuals, taken as at least 10⁻⁹ ω: modes on both sides are then determined to an angle of
     /// 10⁻⁵. Exact zeros have no residual. The last cluster may continue beyond the last mode: see
     /// [`Spectrum::split`].
     pub fn clusters(&self) -> Vec<Range<usize>> {

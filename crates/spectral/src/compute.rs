@@ -28,9 +28,9 @@ impl SpectrumOptions {
     }
 }
 
-/// The k smoothest modes of a Laplacian, S φ = λ M φ.
+/// The k smoothest modes of a Laplacian, S φ = ω M φ.
 ///
-/// λ in 1/(mesh units)². Vertices without faces have the value 0 in every mode.
+/// ω in 1/(mesh units)². Vertices without faces have the value 0 in every mode.
 ///
 /// # Errors
 ///
@@ -88,7 +88,7 @@ pub fn spectrum(
 
 /// The k smoothest modes of the graph of the edges, for comparison with those of the surface.
 ///
-/// (D − A) φ = λ M φ with [`MassKind::Unit`], or with [`MassKind::Degree`] −L φ = λ φ for the
+/// (D − A) φ = ω M φ with [`MassKind::Unit`], or with [`MassKind::Degree`] −L φ = ω φ for the
 /// random walk L = D⁻¹A − I, whose modes are orthonormal in D: a plain transpose does not invert
 /// them.
 ///

@@ -1,4 +1,4 @@
-//! Filters as functions of λ.
+//! Filters as functions of ω.
 
 use ndarray::{Array2, ArrayView2};
 
@@ -27,14 +27,14 @@ const EQUAL_RESPONSES: f64 = 1e-3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Rest {
-    /// Dropped: the filter is zero beyond the last λ.
+    /// Dropped: the filter is zero beyond the last ω.
     Dropped,
-    /// Scaled by this factor, the response at large λ.
+    /// Scaled by this factor, the response at large ω.
     Scaled(f64),
 }
 
 impl Spectrum {
-    /// Multiplies the coefficient of every mode by a response: Σ h(λᵢ) φᵢ φᵢᵀ M F.
+    /// Multiplies the coefficient of every mode by a response: Σ h(ωᵢ) φᵢ φᵢᵀ M F.
     ///
     /// # Errors
     ///

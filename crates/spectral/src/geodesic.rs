@@ -42,11 +42,11 @@ pub struct HeatGeodesics {
 /// length, and reaches twice as far as heat 1 before it underflows.
 const HEAT: i32 = 900;
 
-/// The binary exponent of the heat below which it is computed anew from the vertices above: well
+/// The binary exponent of the heat below which it is computed again from the vertices above: well
 /// within the range in which it has all its digits.
 const FAINT: i32 = -600;
 
-/// The binary exponent by which heat computed anew is larger, so that it reaches as far again.
+/// The binary exponent by which heat computed again is larger, so that it reaches as far again.
 const AGAIN: i32 = 1300;
 
 /// Heat over more than the range of floats: the values times 2 to the power `−AGAIN · stage`.
@@ -261,7 +261,7 @@ impl HeatGeodesics {
 impl HeatGeodesics {
     /// The heat that arrives at the vertices from the given amounts.
     ///
-    /// Where it becomes faint it is computed anew, larger by a power of two. With `A = M + tS`, the
+    /// Where it becomes faint it is computed again, larger by a power of two. With `A = M + tS`, the
     /// solution u of `A u = f`, and w equal to u at the warm vertices and zero at the faint ones,
     /// `A w − f` is zero but at the front between both, and `u = −A⁻¹ (A w − f)` at the faint ones:
     /// the front takes the place of the sources.

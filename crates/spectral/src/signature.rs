@@ -9,10 +9,10 @@ use crate::spectrum::Spectrum;
 /// Eigenvalues below this fraction of the largest count as zero.
 const ZERO: f64 = 1e-10;
 
-/// Heat kernel signature: k_t(x, x) = Σ e^(−λᵢ t) φᵢ(x)², `n × times`, in 1/(mesh units)².
+/// Heat kernel signature: k_t(x, x) = Σ e^(−ωᵢ t) φᵢ(x)², `n × times`, in 1/(mesh units)².
 ///
 /// The heat left at x at time t of a unit placed there at time 0; times in squared mesh units.
-/// Small times need many modes: each mode beyond λ_k contributes at most the fraction e^(−λ_k t).
+/// Small times need many modes: each mode beyond ω_k contributes at most the fraction e^(−ω_k t).
 ///
 /// # Errors
 ///
@@ -36,8 +36,8 @@ pub fn heat_kernel_signature(
     Ok(squares.dot(&weights))
 }
 
-/// `count` logarithmically spaced times in the range that the modes resolve, from 4 ln 10 / λ_k to
-/// 4 ln 10 / λ₁, with λ₁ the first nonzero eigenvalue. Empty if there is none. Source: [sun2009].
+/// `count` logarithmically spaced times in the range that the modes resolve, from 4 ln 10 / ω_k to
+/// 4 ln 10 / ω₁, with ω₁ the first nonzero eigenvalue. Empty if there is none. Source: [sun2009].
 ///
 /// [sun2009]: https://doi.org/10.1111/j.1467-8659.2009.01515.x
 pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
@@ -47,12 +47,12 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     spread(from, to, count).map(libm::exp).collect()
 }
 
-/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² /
-/// 2σ²), over the λ above zero.
+/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln ωᵢ)² / 2σ²) / Σ exp(−(e − ln ωᵢ)² /
+/// 2σ²), over the ω above zero.
 ///
 /// The probability density, by area, of finding at x a quantum particle of log-normal energy around
-/// e, with the deviation σ in ln λ: those of [`wave_kernel_energies`] are those of the source. In
-/// 1/(mesh units)²; zero for an energy so far from every ln λ that all weights underflow.
+/// e, with the deviation σ in ln ω: those of [`wave_kernel_energies`] are those of the source. In
+/// 1/(mesh units)²; zero for an energy so far from every ln ω that all weights underflow.
 ///
 /// # Errors
 ///
@@ -109,12 +109,12 @@ pub fn wave_kernel_signature(
     Ok(spectrum.modes.mapv(|x| x * x).dot(&weights))
 }
 
-/// `count` energies for [`wave_kernel_signature`], evenly spaced in ln λ, and σ: seven steps. The
-/// ends stay 2σ inside the range of ln λ.
+/// `count` energies for [`wave_kernel_signature`], evenly spaced in ln ω, and σ: seven steps. The
+/// ends stay 2σ inside the range of ln ω.
 ///
 /// # Errors
 ///
-/// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
+/// [`SpectralError::Option`] for fewer than two energies or fewer than two different ω above zero.
 ///
 /// Source: [aubry2011].
 ///
@@ -125,7 +125,7 @@ pub fn wave_kernel_energies(
 ) -> Result<(Vec<f64>, f64), SpectralError> {
     ParameterError::require(count >= 2, "number of energies", count as f64, "at least 2")?;
     let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
-        let expected = "enough for two λ above zero";
+        let expected = "enough for two ω above zero";
         return Err(
             ParameterError::range("number of modes", spectrum.len() as f64, expected).into()
         );
@@ -137,7 +137,7 @@ pub fn wave_kernel_energies(
     Ok((spread(low + 2.0 * sigma, high - 2.0 * sigma, count).collect(), sigma))
 }
 
-/// Global point signature: φᵢ(x) / √λᵢ for the modes with λ above zero, `n × modes`, dimensionless.
+/// Global point signature: φᵢ(x) / √ωᵢ for the modes with ω above zero, `n × modes`, dimensionless.
 ///
 /// Distances between rows do not change with the pose; signs, and bases of multiple eigenvalues,
 /// are as arbitrary as those of the modes. Source: [rustamov2007].
@@ -164,7 +164,7 @@ pub fn shape_dna(spectrum: &Spectrum) -> Array1<f64> {
     Array1::from(spectrum.values.clone()) * spectrum.area()
 }
 
-/// Smallest λ above zero and largest.
+/// Smallest ω above zero and largest.
 fn range(spectrum: &Spectrum) -> Option<(f64, f64)> {
     let last = *spectrum.values.last()?;
     let first = spectrum.values.iter().copied().find(|l| *l > ZERO * last)?;

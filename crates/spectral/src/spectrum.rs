@@ -9,19 +9,19 @@ use crate::error::SpectralError;
 /// The k smoothest modes of a mesh.
 ///
 /// Modes with equal eigenvalues are an arbitrary basis of their eigenspace; [`Spectrum::clusters`]
-/// groups them. The error of λᵢ is at most its residual rᵢ (or rᵢ² / gap if less), and the angle
-/// error of φᵢ is rᵢ / gap, where gap is the distance to the nearest λ of another cluster. Results
-/// on processors that round in another order differ by as much. Rounding adds some ε φᵀ|S|φ to λ.
+/// groups them. The error of ωᵢ is at most its residual rᵢ (or rᵢ² / gap if less), and the angle
+/// error of φᵢ is rᵢ / gap, where gap is the distance to the nearest ω of another cluster. Results
+/// on processors that round in another order differ by as much. Rounding adds some ε φᵀ|S|φ to ω.
 ///
 /// Every mode is 0 at isolated and fixed vertices.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Spectrum {
-    /// λ, ascending, in 1/(mesh units)² (dimensionless for graph spectra).
+    /// ω, ascending, in 1/(mesh units)² (dimensionless for graph spectra).
     pub values: Vec<f64>,
     /// `n × k`, a mode in each column, Φᵀ M Φ = I; in 1/(mesh unit).
     pub modes: Array2<f64>,
-    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each mode, in the unit of λ.
+    /// ‖S φ − ω M φ‖ in the M⁻¹ norm of each mode, in the unit of ω.
     pub residuals: Vec<f64>,
     /// M over all vertices; 0 at isolated vertices.
     pub mass: MassMatrix,

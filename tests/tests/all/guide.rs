@@ -1,4 +1,4 @@
-//! The guide: its commands print what it shows and draw its pictures.
+//! The guide and the README: their commands print what they show and draw their pictures.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,19 +16,18 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The pages with their texts, in the order of their names.
-fn pages() -> Vec<(String, String)> {
+/// The paths of the README and of the guide's pages with their texts, in the order of their names.
+fn pages() -> Vec<(PathBuf, String)> {
     let entries = fs::read_dir(root().join("docs/guide/src")).unwrap();
-    let paths = entries.map(|entry| entry.unwrap().path());
-    let mut pages: Vec<(String, String)> = paths
-        .filter(|path| path.extension().is_some_and(|e| e == "md"))
-        .map(|path| {
-            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-            (name, fs::read_to_string(path).unwrap().replace("\r\n", "\n"))
-        })
-        .collect();
+    let paths = entries.map(|entry| entry.unwrap().path()).chain([root().join("README.md")]);
+    let pages = paths.filter(|path| path.extension().is_some_and(|e| e == "md"));
+    let mut pages: Vec<(PathBuf, String)> = pages.map(|page| (page.clone(), read(&page))).collect();
     pages.sort();
     pages
+}
+
+fn read(page: &Path) -> String {
+    fs::read_to_string(page).unwrap().replace("\r\n", "\n")
 }
 
 /// The blocks of code, each with its language.
@@ -136,26 +135,26 @@ fn decode(path: &Path) -> (png::OutputInfo, Vec<u8>) {
     (info, pixels)
 }
 
-/// Compares a picture of a page with the one that its commands have drawn; returns the fault, if
-/// any. A missing picture of the page is drawn.
-fn picture_fault(folder: &Path, name: &str) -> Option<String> {
+/// Compares a committed picture with the one that the commands of its page have drawn; returns the
+/// fault, if any. A missing picture is drawn.
+fn picture_fault(folder: &Path, committed: &Path) -> Option<String> {
+    let name = committed.file_name().unwrap().to_str().unwrap();
     let drawn = folder.join(name);
     if !drawn.is_file() {
         return Some(format!("no command of the page draws {name}"));
     }
-    let committed = root().join("docs/guide/src/pictures").join(name);
     if !committed.is_file() {
-        fs::copy(&drawn, &committed).unwrap();
+        fs::copy(&drawn, committed).unwrap();
         return Some(format!("{name} was missing; look at it and commit it"));
     }
-    let ((old, before), (new, after)) = (decode(&committed), decode(&drawn));
+    let ((old, before), (new, after)) = (decode(committed), decode(&drawn));
     let sum: f64 = before.iter().zip(&after).map(|(a, b)| f64::from(a.abs_diff(*b))).sum();
     let is_same = old == new && sum <= MAX_DIFFERENCE * before.len() as f64;
     (!is_same).then(|| format!("{name} looks different; delete it, and this test draws it again"))
 }
 
 #[test]
-fn commands_print_what_the_guide_shows() {
+fn commands_print_what_their_pages_show() {
     let mut faults = vec![];
     for (page, text) in pages() {
         let folder = tempfile::tempdir().unwrap();
@@ -178,9 +177,11 @@ fn commands_print_what_the_guide_shows() {
                 _ => found.push(format!("no test runs code in `{language}`")),
             }
         }
-        let pictures = text.split("](pictures/").skip(1).filter_map(|rest| rest.split(')').next());
-        found.extend(pictures.filter_map(|name| picture_fault(folder.path(), name)));
-        faults.extend(found.into_iter().map(|fault| format!("{page}: {fault}")));
+        let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        let pictures = targets.filter(|target| target.ends_with(".png"));
+        let pictures = pictures.map(|target| page.with_file_name(target));
+        found.extend(pictures.filter_map(|picture| picture_fault(folder.path(), &picture)));
+        faults.extend(found.into_iter().map(|fault| format!("{}: {fault}", page.display())));
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }

@@ -2,6 +2,7 @@
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
+mod advice;
 mod command_line;
 mod convergence;
 mod denoising;
@@ -23,6 +24,7 @@ mod many_files;
 mod masks;
 mod mending;
 mod public_types;
+mod readme;
 mod rendering;
 mod report;
 mod robustness;

@@ -143,19 +143,19 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The opening has the question and the number of claims; the table of claims, which follows, has
-/// the verdicts. A link to a source opens the fold that holds it.
+/// The opening has the question and the number of claims; the rules follow, then the table of
+/// claims, which has the verdicts. A link to a source opens the fold that holds it.
 fn opens(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(
         "[document.querySelector('.opening').textContent,
-           document.querySelector('.opening + #claims').textContent,
-           document.querySelectorAll('.opening .verdict').length]",
+           document.querySelector('.opening + #rules + #claims').textContent,
+           document.querySelectorAll('.opening .verdict').length,
+           document.querySelector('#rules').textContent]",
     )?;
     let [opening, claims] = [0, 1].map(|k| found[k].as_str().unwrap_or_default());
-    for words in ["Its one claim is half right.", "what we would tell the student"] {
-        ensure!(opening.contains(words), "no “{words}” in {opening}");
-    }
+    ensure!(opening.contains("Its one claim is half right."), "{opening}");
+    ensure!(found[3].as_str().is_some_and(|rules| rules.contains("claim 5a")), "{found}");
     ensure!(claims.contains("λ = 0.05 is best") && found[2] == 0, "{found}");
     let source = chrome.run(
         "(() => {

@@ -1,8 +1,8 @@
 //! The `fairing` program on other processors, emulated by `qemu-x86_64`.
 //!
-//! The guarantees are in `docs/conventions.md`, section Processors. If the emulator is not on the
-//! path, each test is listed by name as ignored. The emulator has no AVX-512: a machine that has it
-//! compares the others with itself.
+//! `docs/conventions.md` has the guarantees, under "Randomness and processors". If the emulator is
+//! not on the path, each test is listed by name as ignored. The emulator has no AVX-512: a machine
+//! that has it compares the others with itself.
 
 mod cases;
 mod near;

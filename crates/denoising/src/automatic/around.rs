@@ -10,7 +10,7 @@ use crate::faces::{Marks, NO_HINGE};
 /// The radii of neighbourhoods, in local scales.
 pub(super) const RADII: [f64; 3] = [1.5, 3.0, 5.0];
 
-/// The most hinges on the way to a face of a neighbourhood. On a regular mesh the largest
+/// The most hinges between the centre and a face of a neighbourhood. On a regular mesh the largest
 /// radius is ten hinges wide; the rest is for stretched faces. Noise of several mean
 /// edge lengths makes areas, and with them radii, so large that a ball alone would hold
 /// thousands of faces.
@@ -55,9 +55,9 @@ impl Terms {
 
 /// Sums over the neighbourhood of a face.
 pub(super) struct Sums {
-    /// For each radius and range, weighted sums of [`Terms::means`].
+    /// Weighted sums of [`Terms::means`], for each radius and range.
     pub(super) means: [[Eight; RANGES]; RADII.len()],
-    /// For each radius, weighted sums of [`Terms::others`].
+    /// Weighted sums of [`Terms::others`], for each radius.
     pub(super) others: [Eight; RADII.len()],
     pub(super) fits: [LocalFit; FITS.len()],
 }

@@ -165,7 +165,7 @@ impl Normals {
         Self { approach, normals, rings: state.rings, sigma, limit, expected_error, planes }
     }
 
-    /// The normals of total generalised variation in place of those of networks.
+    /// The normals of total generalised variation instead of those of networks.
     fn filtered(
         self,
         input: Masked<'_>,

@@ -14,7 +14,7 @@ use crate::noise_level::NoiseEstimate;
 /// of all: 3.3 on a disc, 2.3 on half of a sphere, 0 on closed surfaces.
 const OPEN: f64 = 1.0;
 
-/// The correlation of residuals on open surfaces from which they are taken for correlated noise, as
+/// The correlation of residuals on open surfaces from which they count as correlated noise, as
 /// on nine in ten views of models of the development set with such noise and one in fifty with
 /// independent noise; beyond the upper one for the shape of a smooth sheet.
 const RESIDUALS: Range<f64> = 0.05..0.4;

@@ -37,7 +37,7 @@ struct Aim {
 }
 
 impl<'a> Follow<'a> {
-    /// For noise of the level `sigma`.
+    /// The surface that follows normals under noise of the level `sigma`.
     pub(super) fn new(noisy: &'a TriMesh, rings: &FaceLists, sigma: f64, limit: f64) -> Self {
         let areas: Vec<f64> = (0..noisy.face_count())
             .into_par_iter()
@@ -138,8 +138,8 @@ impl<'a> Follow<'a> {
             .collect()
     }
 
-    /// The place of vertex `v` on the way to a place: no further than the limit from where it was,
-    /// and there if it is fixed.
+    /// The position of vertex `v` moved towards `to`, no farther than the limit from its input
+    /// position; fixed vertices stay there.
     pub(super) fn held(&self, v: usize, to: DVec3) -> DVec3 {
         let from = self.noisy.mesh().positions()[v].into();
         if self.noisy.is_fixed(v) { from } else { hold(from, to, self.limit) }

@@ -54,9 +54,9 @@ pub(super) struct Merged<'a> {
     fixed: Vec<bool>,
     /// The merged vertex of each vertex; `None` where nothing is merged.
     of: Option<Vec<u32>>,
-    /// For each connected part, `true` for the surface of a volume.
+    /// True for each connected part that is the surface of a volume.
     pub(super) is_volume: Vec<bool>,
-    /// For each connected part, the noise before merging if it is that of a depth camera.
+    /// The noise of each connected part before merging, if it is that of a depth camera.
     camera_noise: Vec<Option<NoiseEstimate>>,
 }
 
@@ -292,8 +292,8 @@ impl<'a> Edges<'a> {
 struct Clusters {
     /// A parent of each vertex in its cluster, itself for the representative.
     parents: Vec<u32>,
-    /// Of each representative: the mean of the positions, the number of members, and the mean
-    /// length of edges around it.
+    /// The mean of the positions, the number of members, and the mean length of the edges around,
+    /// for each representative.
     middles: Vec<(DVec3, f64, f64)>,
     neighbors: Vec<Vec<u32>>,
     on_border: Vec<bool>,

@@ -1,4 +1,4 @@
-//! Denoising without parameters.
+//! Denoising with parameters that are estimated from the mesh.
 
 mod around;
 mod choice;
@@ -49,12 +49,13 @@ fairing_parameters::options! {
         /// A factor on the estimated noise, for a result that is too smooth or too rough.
         pub strength: f64 = 1.0, in Range::POSITIVE;
     }
-    "automatic": "estimates everything from the mesh; keeps creases", [];
+    "automatic": "estimates noise and surface from the mesh; keeps creases", [];
 }
 
-/// Denoises without parameters that have to be chosen: noise level and kind of surface are
-/// estimated from the mesh. `docs/denoising.md` in the repository describes the method, its
-/// constants and its limits.
+/// Denoises with a noise level and a kind of surface that are estimated from the mesh.
+///
+/// In the repository, `docs/denoising.md` has results and limits, `study/DESIGN.md` the constants
+/// and their reasons.
 ///
 /// 1. [Spikes](Automatic::spikes) are put on the surface around them.
 /// 2. On surfaces of volumes, as marching cubes makes them, the ends of short edges are merged, and

@@ -224,9 +224,9 @@ fn doubt(weight: f64) -> f64 {
 
 /// The fraction of the turn between two planes that happens at the hinges between them.
 struct Turn {
-    /// With the errors of normals.
+    /// The fraction with the errors of normals.
     most: f64,
-    /// In the direction of the whole turn.
+    /// The fraction in the direction of the whole turn.
     least: f64,
 }
 

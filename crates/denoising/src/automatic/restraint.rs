@@ -49,7 +49,7 @@ impl Allowed {
     /// The noise that residuals show. Where those of neighbours are independent, it is theirs;
     /// where they are alike, as on relief and at creases, it is that of the rest of the mesh. If
     /// they are independent on less than half of the surface, the level is smaller in
-    /// proportion: relief and correlated noise cannot be told apart. What exceeds a tenth of an
+    /// proportion: relief and correlated noise cannot be distinguished. What exceeds a tenth of an
     /// edge is noise in any case.
     pub(super) fn measured(input: Masked<'_>, level: &NoiseEstimate) -> Self {
         let mesh = input.mesh();
@@ -85,7 +85,7 @@ impl Allowed {
         allowed
     }
 
-    /// At least this level everywhere.
+    /// Raises the level to at least `sigma` everywhere.
     pub(super) fn at_least(&mut self, sigma: f64) {
         let square = sigma * sigma;
         self.whole = self.whole.max(square);

@@ -65,7 +65,8 @@ pub(super) struct Start {
 }
 
 impl Start {
-    /// From a mesh, the same `without` its spikes, and the noise and the unevenness of its parts.
+    /// The start from a mesh, the mesh `without` its spikes, and the noise and the unevenness of
+    /// its parts.
     pub(super) fn new(
         mesh: &TriMesh,
         without: &TriMesh,

@@ -13,13 +13,13 @@ use crate::masked::Masked;
 /// The least excess of a spike or of an impulse.
 #[derive(Clone, Copy)]
 struct Bounds {
-    /// In mean distances of its neighbours.
+    /// The excess in mean distances of the neighbours.
     steep: f64,
-    /// In medians of a distance over some rings.
+    /// The excess in medians of a distance over some rings.
     far: f64,
-    /// The distance that the medians are of.
+    /// The distance of these medians.
     around: fn(&Height) -> f64,
-    /// In mesh units.
+    /// The excess in mesh units.
     least: f64,
 }
 

@@ -20,7 +20,7 @@ pub enum NoiseKind {
     /// Along the vertex normal, by a Gaussian of standard deviation σ.
     #[cfg_attr(feature = "serde", serde(rename = "normal"))]
     GaussianAlongNormals,
-    /// In a direction of its own for each vertex, all equally likely, by a
+    /// Along a random direction for each vertex, all directions equally likely, by a
     /// Gaussian of standard deviation σ.
     #[cfg_attr(feature = "serde", serde(rename = "direction"))]
     GaussianAlongDirections,
@@ -28,8 +28,8 @@ pub enum NoiseKind {
     /// root mean square displacement is σ.
     #[cfg_attr(feature = "serde", serde(rename = "uniform"))]
     UniformPerAxis,
-    /// As [`Self::GaussianAlongDirections`], but of a fraction of the vertices
-    /// only; the others stay.
+    /// [`Self::GaussianAlongDirections`] of a fraction of the vertices only; the others
+    /// stay.
     Impulsive {
         /// The probability that a vertex is moved, from 0 to 1.
         fraction: f64,
@@ -108,7 +108,7 @@ pub enum NoiseKind {
 }
 
 impl NoiseKind {
-    /// One of each, with default parameters: impulsive noise on a quarter of the vertices, a
+    /// All kinds, with default parameters: impulsive noise on a quarter of the vertices, a
     /// correlation length of two edges, of five for a depth camera and of twenty-five for
     /// fused views.
     pub const ALL: [Self; 10] = [

@@ -29,14 +29,14 @@ const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 
 /// Remove noise from a mesh and keep its creases
 ///
-/// Needs no parameters: the noise and the kind of surface are estimated from the mesh, and so is
-/// the distance over which the noise of a depth camera is correlated. Where you disagree with the
-/// estimate, --strength multiplies it: 2 removes more, 0.5 less; try 2 for laser scans. The smooth
-/// waves of scans that were fused from many views can pass for shape. Relief a few edges wide that
-/// cannot be told from noise is kept, and the summary says how high it is; --strength 2 removes it.
-/// Vertices that fly far away from their neighbours are put back first, and counted. The other
-/// methods serve for comparison. The summary of --json is the estimated noise and kind of surface,
-/// with the fractions of the area that are flat, curved, or at a crease.
+/// Estimates from the mesh the noise, the distance over which the noise of a depth camera is
+/// correlated, and the kind of surface. --strength multiplies the estimated noise: 2 removes more,
+/// 0.5 less; try 2 for laser scans. The smooth waves of scans that were fused from many views can
+/// pass for shape. Relief a few edges wide that cannot be distinguished from noise is kept, and the
+/// summary reports its height; --strength 2 removes it. Vertices far away from their neighbours are
+/// moved back first, and counted. The other methods serve for comparison. The summary of --json has
+/// the estimated noise and kind of surface, with the fractions of the area that are flat, curved,
+/// or at a crease.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {

@@ -29,12 +29,13 @@ Examples:
 /// The most isolines of a mesh.
 const MAX_ISOLINES: f64 = 10_000.0;
 
-/// Measure distances along the surface, trace shortest paths and draw isolines
+/// Measure distances along the surface, trace descent paths and draw isolines
 ///
 /// Computes the distance to the nearest source by the heat method; the error is proportional to the
 /// edge length. With --output, writes the vertex property distance, in units of the file; the
 /// property defined is 0 at vertices that no source can reach (the distance there is 0 and
-/// meaningless). A path follows the steepest descent of the distance.
+/// meaningless). A path follows the steepest descent of the distance; it is close to the shortest
+/// path, not exactly the shortest.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Geodesic {
@@ -58,7 +59,8 @@ pub(crate) struct Geodesic {
     /// Format of the standard input (file name -); --from of the other verbs
     #[arg(id = INPUT_FORMAT, long = "input-format", value_name = "NAME", value_parser = formats())]
     input_format: Option<Format>,
-    /// Trace the shortest path from these vertices to the nearest source, and print its length
+    /// Trace the path of steepest descent from these vertices to the nearest source, and print its
+    /// length
     #[arg(long = "path", value_name = "V,V...", value_delimiter = ',')]
     starts: Vec<u32>,
     /// Draw the lines of equal distance at the multiples of D, in units of the file

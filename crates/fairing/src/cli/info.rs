@@ -17,8 +17,8 @@ use super::table::{Table, number};
 ///
 /// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
 /// numbered from 0. Face and edge counts are those of the file, polygons included;
-/// degenerate, sliver and duplicate faces are counted after splitting into triangles. What only
-/// faces have is left out for points. Ends with the repair that needs no further option, if any.
+/// degenerate, sliver and duplicate faces are counted after splitting into triangles. Point
+/// clouds have no counts of faces. Ends with the repair that needs no further option, if any.
 #[derive(Args)]
 pub(crate) struct Info {
     #[command(flatten)]

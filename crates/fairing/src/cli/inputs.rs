@@ -16,7 +16,7 @@ use super::table::{ERROR, Table, cell};
 pub(crate) struct Inputs {
     /// The mesh, or several; - is the standard input
     ///
-    /// If one of several fails, the others are done, and the exit code is that of the first
+    /// If one of several fails, the others are processed, and the exit code is that of the first
     /// failure. For thousands of files, or a cluster, use the data sets of the Python package.
     #[arg(value_name = "INPUT", required = true)]
     pub(crate) paths: Vec<PathBuf>,
@@ -27,7 +27,7 @@ pub(crate) struct Inputs {
 /// The number of files at a time.
 #[derive(Args)]
 pub(crate) struct Jobs {
-    /// Number of files to work on at a time; each needs memory of its own
+    /// Number of files to process at a time; memory grows with this number
     #[arg(
         long,
         value_name = "N",

@@ -71,7 +71,7 @@ struct Cli {
     /// their indices and take the position of the first valid vertex
     #[arg(long, global = true)]
     drop_broken: bool,
-    /// Format of the standard input (file name -), where its content leaves a doubt
+    /// Format of the standard input (file name -), if its content is ambiguous
     #[arg(
         id = INPUT_FORMAT,
         long = "from",

@@ -24,20 +24,20 @@ Examples:
   fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01
   fairing repair part.stl -o part.ply --tolerance 0.05 --unit model";
 
-/// Mend a mesh: vertices that are not shared, faces that are doubled or flipped, holes
+/// Mend a mesh: unshared vertices, double or flipped faces, holes
 ///
-/// Without options nothing is moved by more than rounding: vertices at one place, or at the
-/// boundary and closer than single precision distinguishes, are merged, faces with the corners of
-/// an earlier one dropped, neighbours made to agree, closed parts that are inside out turned with
-/// all that they hold, sheets that touch at an edge or a vertex separated, and vertices without a
-/// face dropped. What stays keeps its order and its properties; the property source is the vertex
-/// of the input, from 0, or -1 in the patch of a hole. A second run changes nothing; with
-/// --tolerance in mean edges or diagonals, which are those of the input, it may merge farther.
+/// Without options no vertex moves by more than rounding. Merges vertices at the same place, and
+/// boundary vertices that single precision does not distinguish; drops faces with the corners of an
+/// earlier face; flips faces that disagree with their neighbours, and closed parts that are inside
+/// out with all parts inside them; separates sheets that touch at an edge or a vertex; drops
+/// isolated vertices. The others keep their order and their properties; the property source is the
+/// vertex of the input, from 0, or -1 in the patch of a hole. A second run changes nothing, except
+/// with --tolerance in mean edges or diagonals: they are those of the input, which has changed.
 ///
 /// The summary of --json lists the elements that each step changed, by their numbers in the input,
-/// from 0, in open_holes each hole that --holes leaves with the reason, and in vertex_map for each
-/// vertex of the input its vertex in the output, or null if it was dropped. The rows of --table
-/// have their counts.
+/// from 0. Its open_holes lists each hole that --holes leaves, with the reason, and vertex_map the
+/// vertex in the output for each vertex of the input, or null if it was dropped. The rows of
+/// --table have counts.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Repair {
@@ -48,7 +48,7 @@ pub(crate) struct Repair {
     /// Report what would change, and write nothing
     #[arg(long, conflicts_with_all = ["path", "force"])]
     dry_run: bool,
-    /// Leave out some steps
+    /// Skip some steps
     #[arg(long, value_name = "STEP", value_delimiter = ',')]
     skip: Vec<Skip>,
     /// Merge vertices up to this distance; 0 merges equal positions only [default: four units in
@@ -72,11 +72,11 @@ pub(crate) struct Repair {
     #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_negative_numbers = true)]
     thin: f64,
     /// Fill holes of at most this many edges, at most 2000, so that the patch continues the
-    /// surface around it; the rim of an open surface counts as a hole, too
+    /// surface around it; the boundary of an open surface counts as a hole, too
     #[arg(long, value_name = "EDGES", default_value_t = 0)]
     holes: usize,
-    /// Turn closed parts within others so that they alternate: a solid within a solid becomes a
-    /// cavity
+    /// Flip closed parts inside others so that orientations alternate: a solid inside a solid
+    /// becomes a cavity
     #[arg(long)]
     cavities: bool,
     #[command(flatten)]

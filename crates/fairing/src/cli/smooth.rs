@@ -22,13 +22,13 @@ use super::table::{Table, cell, number};
 
 const HELP: &str = "\
 Choosing a method
-  Remove noise, keep the size       taubin (the default), or windowed-sinc: sharper; both for
-                                    finely meshed shapes: large triangles and borders shrink
-  The assignment's questions 5, 6   explicit --lambda L, implicit --lambda L
+  Remove noise, keep the size       taubin (the default), windowed-sinc or hc, on finely
+                                    meshed shapes; coarse shapes and borders shrink
+  Strong noise, smooth shape        explicit, which loses volume, or low-pass --modes K
   Very smooth, in few steps         implicit --lambda 50 --iterations 3
   A physical amount of smoothing    low-pass --time T: exact heat diffusion, or --cutoff W
   The smoothest modes alone         low-pass --modes K
-  Triangles of very uneven size     implicit --weights cotangent or scale-dependent
+  Triangles of very uneven size     implicit --weights cotangent, or scale-dependent
   Even out the triangles as well    implicit --weights uniform
   Turn a closed blob into a sphere  conformal
   Repair a dent or a filled hole    region --vertices LIST --order 2
@@ -36,27 +36,27 @@ Choosing a method
   Zero-area faces, non-manifold     any; --operator robust has no negative weights and is
   edges, triangle soups             chosen by itself if a face is too thin for cotangents
 
-With uniform weights, the step --lambda is the fraction of the way to the mean of the
-neighbours: explicit steps are stable up to 4/3 (8/7 with a boundary), implicit steps
-always. With cotangents it is a diffusion time in squared mean edge lengths; explicit
-steps are stable up to about 0.27 on regular meshes. --time gives it in squared units
-of the file instead. n steps of L smooth about as much as one step of n L.
+With uniform weights, --lambda is the fraction of the distance to the mean of the
+neighbours that a vertex moves in a step. Explicit steps are stable up to 4/3 (8/7 with a
+boundary), implicit steps always. With cotangents, --lambda is a diffusion time in squared
+mean edge lengths, and explicit steps are stable up to about 0.27 on regular meshes; --time
+gives it in squared units of the file. n steps of L smooth about as much as one of n L.
 
-Vertices can be fixed (--pin, or --where for all that a property of the file does not select),
-slide along a border (--boundary sliding) or be drawn
-softly: --soft 12:1,40:10:0:0:5 draws vertex 12 back to its place as strongly as the
-flow moves it, and vertex 40 to (0, 0, 5) ten times as strongly.
+--pin fixes vertices, --where fixes all vertices that a property of the file does not
+select, and --boundary sliding lets border vertices move along the border only. --soft
+12:1,40:10:0:0:5 draws vertex 12 to its input position as strongly as the flow moves it,
+and vertex 40 to (0, 0, 5) ten times as strongly.
 
 Examples:
   fairing smooth scan.ply -o smooth.ply
   fairing smooth scan.ply -o smooth.ply --method implicit --lambda 5 --volume rescale
   fairing smooth patch.obj -o flat.obj --method explicit --lambda 0.5 --boundary pinned
-  fairing smooth noisy.off -o worse.off --method explicit --lambda 2 --unstable allow";
+  fairing smooth noisy.off -o smooth.off --method low-pass --modes 100";
 
 /// Smooth a mesh by a flow, by a filter or by fairing a region
 ///
-/// Moves the vertices and keeps the faces, polygons and materials of the file included. Vertex
-/// properties are kept, except normals, which do not fit the moved vertices. The guide below helps
+/// Moves the vertices and keeps the faces, including polygons and materials of the file. Vertex
+/// properties are kept, except normals, which do not fit the moved vertices. The list below helps
 /// to choose a method.
 #[derive(Args)]
 #[command(after_help = HELP)]

@@ -26,16 +26,17 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
-/// Solves S u = w M u with the cotangent stiffness S. If a face is too thin for
+/// Solves S φ = ω M φ with the cotangent stiffness S. If a face is too thin for
 /// cotangents, uses the intrinsic Delaunay triangulation instead and prints a note.
 /// Eigenvalues are in 1/length² of the file. Each pair has a residual in the inverse
 /// mass norm: at most 1e-8 of the largest eigenvalue, or the rounding error if masses
 /// or weights differ too much for that; a warning names residuals above 1e-8 of their
-/// own eigenvalue. Certified means that an inertia count proves that no eigenvalue was
-/// missed. If K splits a cluster of equal or nearly equal eigenvalues, a warning
+/// own eigenvalue. A note says that an inertia count has verified that no smaller eigenvalue
+/// is missing. If K splits a cluster of equal or nearly equal eigenvalues, a warning
 /// suggests values of K that do not. The output is an npz file with values (k), modes
 /// (n x k, orthonormal in the mass), residuals (k) and mass. The summary of --json has the
-/// eigenvalues, residuals, certified, and the nearest numbers of modes that split no cluster.
+/// eigenvalues and residuals, certified for the inertia count, and the nearest numbers of
+/// modes that split no cluster.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Spectrum {
@@ -177,7 +178,7 @@ impl Spectrum {
         }
         context.print(table)?;
         if modes.certified {
-            context.note("certified: no smaller eigenvalue was missed");
+            context.note("verified by an inertia count: no smaller eigenvalue is missing");
         }
         Ok(Value::Null)
     }

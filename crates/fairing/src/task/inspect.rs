@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::object;
 
-/// The entries of a [`Diagnosis`], with the number of elements in place of each tally.
+/// The entries of a [`Diagnosis`], with the number of elements instead of each tally.
 pub fn diagnosis(diagnosis: &Diagnosis) -> Map<String, Value> {
     let Ok(Value::Object(mut entries)) = serde_json::to_value(diagnosis) else {
         return Map::new();

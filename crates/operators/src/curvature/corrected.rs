@@ -126,10 +126,10 @@ fairing_parameters::options! {
         /// The radius of the ball about each vertex.
         pub radius: Option<Length> = None, in Range::POSITIVE, unit "mean edge lengths";
     }
-    "corrected": "principal curvatures of smooth shapes, from one ring only", ["lachaud2020"],
+    "corrected": "principal curvatures of smooth shapes from one ring", ["lachaud2020"],
         with Self::DEFAULT,
         if |corrected| corrected.radius.is_none();
-    "corrected-ball": "the best of fixed size under noise, at a chosen scale", ["lachaud2020"],
+    "corrected-ball": "the best of fixed size under noise; averages over a ball of a chosen radius", ["lachaud2020"],
         with Self { radius: Some(Length::MeanEdges(2.0)), ..Self::DEFAULT },
         if |corrected| corrected.radius.is_some();
 }

@@ -33,7 +33,7 @@ fairing_parameters::options! {
         /// The vertex areas that integrated values are divided by.
         pub area: LumpedArea = LumpedArea::Mixed;
     }
-    "cotangent": "H and K on regular meshes, integrals on any mesh; the cheapest, no directions",
+    "cotangent": "H and K on regular meshes, integrals on any mesh; cheap; no directions",
         ["meyer2003", "pinkall1993"];
 }
 

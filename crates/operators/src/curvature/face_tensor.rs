@@ -39,7 +39,7 @@ fairing_parameters::options! {
         /// The weights of face normals in the normals of vertices.
         pub normals: NormalWeight = NormalWeight::Sphere;
     }
-    "face-tensor": "shading and line drawing: smooth and cheap; close to corrected", ["rusinkiewicz2004"];
+    "face-tensor": "shading and line drawing; cheap, results close to corrected", ["rusinkiewicz2004"];
 }
 
 /// A form in the plane of a face.

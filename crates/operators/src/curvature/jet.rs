@@ -105,7 +105,7 @@ fairing_parameters::options! {
     "jet2": "over two rings, as in CGAL; jet4 is better on clean meshes, corrected-ball on noisy ones", ["cazals2005"],
         with Self { degree: JetDegree::Two, neighborhood: Neighborhood::Rings(2), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Two;
-    "jet3": "fine, clean meshes of smooth shapes: converges on irregular ones", ["cazals2005"],
+    "jet3": "smooth shapes; converges on irregular meshes; jet4 is better on clean meshes", ["cazals2005"],
         with Self::DEFAULT,
         if |jet| jet.degree == JetDegree::Three;
     "jet4": "the best of fixed size on fine, clean meshes of smooth shapes", ["cazals2005"],

@@ -17,9 +17,9 @@ pub(super) const HUB: usize = 256;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Length {
-    /// In mesh units.
+    /// Mesh units.
     MeshUnits(f64),
-    /// In mean edge lengths of the component, an edge counted once for each of its faces.
+    /// Mean edge lengths of the component, an edge counted once for each of its faces.
     MeanEdges(f64),
 }
 
@@ -31,11 +31,11 @@ impl Default for Length {
 }
 
 impl Length {
-    /// In mesh units, at each vertex; 0 at isolated ones if in mean edges.
+    /// The length in mesh units at each vertex; 0 at isolated vertices if in mean edge lengths.
     ///
     /// # Errors
     ///
-    /// [`OperatorError::Option`] if it is negative or not finite.
+    /// [`OperatorError::Option`] if the length is negative or not finite.
     pub(crate) fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
         let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
         Range::NOT_NEGATIVE.check("radius", value)?;
@@ -57,7 +57,7 @@ impl Length {
     }
 }
 
-/// Vertices whose balls are examined beforehand.
+/// Vertices whose balls are examined in advance.
 const SAMPLES: usize = 256;
 
 /// The most elements of a ball, on average, over those of a regular mesh of the same mean edge.

@@ -34,7 +34,7 @@ fairing_parameters::options! {
         /// The radius of the ball about each vertex.
         pub radius: Length = Length::MeanEdges(2.0), in Range::POSITIVE, unit "mean edge lengths";
     }
-    "normal-cycle": "curvature at a chosen scale, averaged over a ball; robust to noise",
+    "normal-cycle": "averages over a ball of a chosen radius; for noisy shapes",
         ["cohensteiner2003"];
 }
 

@@ -28,7 +28,7 @@ fairing_parameters::options! {
         /// The vertices that the quadric is fitted to.
         pub neighborhood: Neighborhood = Neighborhood::Rings(2);
     }
-    "quadric": "over two rings, as in libigl; through the vertex, noise and all", ["panozzo2010"];
+    "quadric": "over two rings, as in libigl; passes through the vertex, so its noise stays", ["panozzo2010"];
 }
 
 /// Principal curvatures of a quadric fitted at each vertex.

@@ -30,7 +30,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct SteinerOptions {}
-    "steiner": "bending at creases, from dihedral angles; any mesh, however broken", ["sullivan2008"];
+    "steiner": "bending at creases, from dihedral angles; works on any mesh", ["sullivan2008"];
 }
 
 /// Principal curvatures from dihedral angles.

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-10;
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Reason {
-    /// It was requested.
+    /// The kind was requested.
     Asked,
     /// [`LaplacianKind::Auto`] found cotangents in every face.
     Sound,

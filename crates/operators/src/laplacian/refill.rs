@@ -12,7 +12,7 @@ impl Laplacian {
     ///
     /// The result is that of [`Laplacian::new`], bit by bit, including the choice
     /// of [`choose`](crate::choose). Cotangents reuse the existing pattern, the
-    /// uniform stiffness stays, and the robust one is assembled anew, because its
+    /// uniform stiffness stays, and the robust one is reassembled, because its
     /// edges depend on the positions.
     ///
     /// # Errors

@@ -33,7 +33,7 @@ pub trait ParametricSurface {
     /// The point at `(u, v)` and its derivatives.
     fn jet(&self, u: f64, v: f64) -> SurfaceJet;
 
-    /// Where `∂p/∂u × ∂p/∂v` points.
+    /// The side to which `∂p/∂u × ∂p/∂v` points.
     fn chart_normal(&self) -> ChartNormal {
         ChartNormal::Outward
     }

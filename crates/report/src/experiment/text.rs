@@ -4,6 +4,9 @@
 //! A placeholder `{name}` shows a number with two digits, `{name:up}` and `{name:down}` round it
 //! outwards for a bound (at most, at least), `{name:short}` shows four digits, `{name:fixed}` two
 //! decimals, and `{name:percent}` hundred times the number. Several words may follow the colon.
+//!
+//! Lines are joined to paragraphs. A line that begins with `- ` opens a paragraph of its own, which
+//! the pages show as an item of a list.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -15,7 +18,7 @@ use serde::Deserialize;
 use crate::experiment::Card;
 use crate::experiment::inputs::Input;
 use crate::model::section::{Act, Playground, Section};
-use crate::model::table::{brief, short};
+use crate::model::table::{brief, brief_above, brief_below, short};
 use crate::model::verdict::{Judgement, Verdict};
 
 /// The words of an experiment, or of a part that several experiments share.
@@ -119,9 +122,7 @@ impl Text {
     pub(crate) fn say(&self, heading: &str, values: Values<'_>) -> Result<String> {
         let block = self.parsed()?.blocks.get(heading);
         let block = block.with_context(|| format!("text/{}.md has no # {heading}", self.id))?;
-        let paragraphs = block.split("\n\n").map(|p| p.split('\n').collect::<Vec<_>>().join(" "));
-        let text = paragraphs.collect::<Vec<_>>().join("\n\n");
-        filled(&text, values).with_context(|| format!("text/{}.md, # {heading}", self.id))
+        filled(&joined(block), values).with_context(|| format!("text/{}.md, # {heading}", self.id))
     }
 
     /// The description of the experiment: title, question, method, and its section. The values fill
@@ -212,6 +213,14 @@ impl Text {
     }
 }
 
+/// The lines of a block, joined to paragraphs with an empty line between them.
+fn joined(block: &str) -> String {
+    let block = block.replace("\n- ", "\n\n- ");
+    let paragraphs = block.split("\n\n").filter(|paragraph| !paragraph.trim().is_empty());
+    let paragraphs = paragraphs.map(|p| p.lines().map(str::trim).collect::<Vec<_>>().join(" "));
+    paragraphs.map(|p| p.trim().to_string()).collect::<Vec<_>>().join("\n\n")
+}
+
 /// Head and blocks.
 fn parse(source: &'static str) -> Result<Parsed> {
     let rest = source.strip_prefix("+++\n").context("it does not begin with +++")?;
@@ -251,8 +260,8 @@ fn shown<'a>(value: &'a Value, style: &str) -> Result<Cow<'a, str>> {
     let mut show: fn(f64) -> String = brief;
     for word in style.split_whitespace() {
         match word {
-            "up" => show = |x| brief(outwards(x, f64::ceil)),
-            "down" => show = |x| brief(outwards(x, f64::floor)),
+            "up" => show = brief_above,
+            "down" => show = brief_below,
             "short" => show = short,
             "fixed" => show = |x| format!("{x:.2}").replace('-', "−"),
             "percent" => x *= 100.0,
@@ -260,17 +269,6 @@ fn shown<'a>(value: &'a Value, style: &str) -> Result<Cow<'a, str>> {
         }
     }
     Ok(show(x).into())
-}
-
-/// The number rounded to two significant digits in one direction, so that a bound stays one.
-fn outwards(x: f64, round: fn(f64) -> f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let unit = libm::pow(10.0, libm::log10(x.abs()).floor() - 1.0);
-    // What is on the grid to rounding stays there.
-    let steps = x / unit;
-    if (steps - steps.round()).abs() < 1e-9 { steps.round() * unit } else { round(steps) * unit }
 }
 
 #[cfg(test)]
@@ -289,8 +287,12 @@ mod tests {
         assert_eq!(text, "At least 6.8, at most 6.9.\n\ntorus: 13 %.");
         let error = format!("{:#}", TEXT.say("method", &[]).unwrap_err());
         assert!(error.contains("text/q9.md, # method") && error.contains("{ratio}"), "{error}");
-        assert_eq!(outwards(0.3, f64::floor), 0.3);
-        assert_eq!(outwards(-1.23, f64::floor), -1.3);
+    }
+
+    #[test]
+    fn lines_are_joined_and_items_are_kept_apart() {
+        assert_eq!(joined("a\nb\n\n- c\n  d\n- e"), "a b\n\n- c d\n\n- e");
+        assert_eq!(joined(""), "");
     }
 
     #[test]

@@ -13,7 +13,8 @@ use super::seen;
 use crate::experiment::Context;
 use crate::experiment::outcome::Picture;
 use crate::experiment::text::{Text, values};
-use crate::model::table::{Table, Tolerance, Unit, brief};
+use crate::model::table::{Table, Tables, Tolerance, Unit, brief};
+use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::model::view::{Panel, Slider, View};
 use crate::row;
 
@@ -44,12 +45,23 @@ fn flow(mesh: &TriMesh, iterations: usize) -> Result<(TriMesh, usize)> {
     Ok((flowed.mesh, flowed.report.iterations))
 }
 
-/// Steps until bumpy spheres settle, and the remaining distance from a round one.
-pub(super) fn table(levels: &[u32]) -> Result<Table> {
+/// A closed mesh of genus 0 by name.
+pub(super) fn bodies(context: &Context<'_>) -> Vec<(&'static str, TriMesh)> {
+    let levels = context.choose(&[3, 4, 5][..], &[3, 4]).iter();
+    let resolutions = context.choose(&[24, 48][..], &[24]).iter();
+    levels
+        .map(|&level| ("bumpy sphere", bumpy(level)))
+        .chain(resolutions.map(|&resolution| ("creature", shapes::creature(resolution))))
+        .collect()
+}
+
+/// Steps until meshes settle, and the remaining distance from a round sphere.
+pub(super) fn table(bodies: &[(&'static str, TriMesh)]) -> Result<Table> {
     let mut table = Table::new(
         "conformal",
-        &TEXT.say("table conformal", &[])?,
+        &TEXT.say("table conformal", values! { most: STOPS[STOPS.len() - 1] })?,
         &[
+            ("mesh", Unit::Label),
             ("vertices", Unit::Count),
             ("steps", Unit::Count),
             ("off the sphere before", Unit::Relative),
@@ -58,12 +70,42 @@ pub(super) fn table(levels: &[u32]) -> Result<Table> {
     )
     .tolerance("steps", None)
     .tolerance("off the sphere after", Some(Tolerance::LOOSE));
-    for &level in levels {
-        let before = bumpy(level);
-        let (after, steps) = flow(&before, STOPS[STOPS.len() - 1])?;
-        table.push(row![before.vertex_count(), steps, farthest(&before), farthest(&after)]);
+    for (name, before) in bodies {
+        let (after, steps) = flow(before, STOPS[STOPS.len() - 1])?;
+        let off = [before, &after].map(farthest);
+        table.push(row![*name, before.vertex_count(), steps, off[0], off[1]]);
     }
     Ok(table)
+}
+
+/// A shape this close to its best sphere is round: the error of the discrete operator on coarse
+/// meshes.
+const ROUND: f64 = 0.02;
+
+/// Judges whether all of the meshes become round.
+pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
+    let table = tables.get("conformal")?;
+    let (counts, off) = (table.column("vertices")?, table.column("off the sphere after")?);
+    let mesh = table.index("mesh")?;
+    let mut ends = vec![];
+    for ((row, count), off) in table.rows.iter().zip(&counts).zip(&off) {
+        let values = values! { mesh: row[mesh].to_string(), count: *count, off: *off };
+        ends.push(TEXT.say("conformal on a mesh", values)?);
+    }
+    let round = off.iter().filter(|off| **off < ROUND).count();
+    let verdict = match round {
+        0 => Verdict::Refuted,
+        n if n == off.len() => Verdict::Confirmed,
+        _ => Verdict::Qualified,
+    };
+    let worst = off.iter().copied().fold(0.0, larger);
+    let values = values! { round: ROUND, worst, ends: seen::list(&ends) };
+    let last = ViewState::at(&[STOPS.len() - 1]);
+    Ok(TEXT
+        .judgement("conformal", verdict, values)?
+        .ours()
+        .shown(Shown::view("flows", VIEW, &last))
+        .number("farthest off the sphere", worst, Unit::Relative))
 }
 
 /// The distance of each vertex from the sphere of mean radius about the centroid, over that radius.
@@ -101,7 +143,7 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
         STOPS.iter().map(|&n| Ok(flow(&before, n)?.0)).collect::<Result<_>>()?;
     let off: Vec<Vec<f64>> = meshes.iter().map(off_sphere).collect();
     let words = |steps: usize| match steps {
-        300 => "settled".to_string(),
+        300 => TEXT.words("settled", &[]),
         n => n.to_string(),
     };
     let titles: Vec<String> = STOPS.map(words).to_vec();
@@ -155,7 +197,8 @@ mod tests {
     #[test]
     fn the_caption_has_the_distances() {
         let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]).unwrap();
-        let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, 0.25 % when the flow has settled: it gets worse before it gets better.";
+        let expected = "The farthest vertex is 58, 69 and 36 % off the mean sphere after 0, 1 and 16 steps, \
+             0.25 % when the flow has settled: it gets worse before it gets better.";
         assert_eq!(text, expected);
         assert!(!rounded(&[(0, 0.5), (1, 0.4), (300, 0.0)]).unwrap().contains("worse"));
     }

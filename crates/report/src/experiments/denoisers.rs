@@ -1,4 +1,4 @@
-//! All denoisers on the meshes of the literature, by its protocol.
+//! All denoisers on public pairs, on generated meshes and on the benchmark.
 
 use std::time::Instant;
 
@@ -14,6 +14,7 @@ use super::families::{self, TEXT};
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};
 use super::models::{CREASES, FEATURE};
+use super::pairs;
 use super::restoring::{Body, Method};
 use super::seen;
 use crate::experiment::inputs::Input;
@@ -40,8 +41,8 @@ const PAIRS: [(&str, Input, Input); 6] = [
     ("noisy machine part", Input::NoisyFandisk, Input::Fandisk),
 ];
 
-/// The generated meshes: with creases, smooth, detailed. They are of families on which no result
-/// was known when the automatic denoiser was trained and its constants chosen.
+/// The generated meshes: with creases, smooth, detailed. They are of fresh families, on which
+/// nothing was trained or chosen.
 const GENERATED: [(&str, &[u8]); 3] = [
     ("bolt", include_bytes!("../../../../data/bolt.ply")),
     ("vase", include_bytes!("../../../../data/vase.ply")),
@@ -55,10 +56,11 @@ impl Experiment for Denoisers {
     fn card(&self) -> Card {
         let [low, middle, high] = LEVELS;
         let parameters = vec![
-            ("parameters of the denoisers", "defaults".into()),
+            ("parameters of the denoisers", TEXT.words("parameters", &[])),
             ("levels", LEVELS.map(|l| format!("{l} h")).join(", ")),
         ];
-        TEXT.card(INPUTS, parameters, values! { low, middle, high })
+        let published = pairs::published();
+        TEXT.card(INPUTS, parameters, values! { low, middle, high, published })
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
@@ -81,73 +83,98 @@ impl Experiment for Denoisers {
                 let noisy = add_noise(&body.truth, kind, noise, (10.0 * level).round() as u64)?;
                 let restored = measure(&mut scores, &label(body.name, level), body, &noisy)?;
                 if Some(&level) == levels.last() {
-                    outcome.figures.push(picture(body, &restored)?);
                     let own = scores.value(&own(&label(body.name, level)), "normal error")?;
                     automatic.push((body.name, own));
                     if b == 0 {
+                        outcome.figures.push(picture(body, &restored)?);
                         outcome.views.push(view(body, level, &restored)?);
                     }
                 }
             }
         }
         outcome.figures.insert(0, averages(&scores, levels)?);
-        outcome.tables = vec![best(&scores)?, scores];
+        outcome.tables = vec![pairs::table()?, best(&scores)?, scores];
         families::add(&automatic, &mut outcome)?;
         Ok(outcome)
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
-        let mut judgements: Vec<Judgement> = families::judge(tables)?.into_iter().collect();
-        judgements.push(at_defaults(tables)?);
-        Ok(judgements)
+        Ok([at_defaults(tables)?].into_iter().chain(families::judge(tables)?).collect())
     }
 }
 
-/// Judges the automatic denoiser beside published ones at their default parameters: on the
-/// generated meshes of the section, on which nothing was trained or chosen, and on the whole
-/// benchmark where its results are there. Meshes of which results were known are counted apart.
+/// Ratios of the normal error of the automatic denoiser to the least of the published methods.
+struct Ratios(Vec<f64>);
+
+impl Ratios {
+    /// Those of the table on meshes of this section, or on the others.
+    fn of(best: &Table, of_section: bool) -> Result<Self> {
+        let (least, own) = (best.column("its normal error")?, best.column("automatic")?);
+        let names = best.labels("mesh")?;
+        let is_ours = |name: &str| GENERATED.iter().any(|(body, _)| name.starts_with(body));
+        let ratios = names.iter().zip(own.iter().zip(&least).map(|(own, least)| own / least));
+        Ok(Self(ratios.filter(|(name, _)| is_ours(name) == of_section).map(|r| r.1).collect()))
+    }
+
+    fn wins(&self) -> usize {
+        self.0.iter().filter(|ratio| **ratio <= 1.0).count()
+    }
+
+    fn losses(&self) -> usize {
+        self.0.len() - self.wins()
+    }
+
+    fn largest(&self) -> f64 {
+        self.0.iter().copied().fold(0.0, larger)
+    }
+
+    /// The number of meshes on which the automatic denoiser is better, in words.
+    fn on(&self) -> Result<String> {
+        let values = values! { wins: self.wins(), count: self.0.len() };
+        TEXT.say(if self.losses() == 0 { "on all" } else { "on some" }, values)
+    }
+}
+
+/// Judges the automatic denoiser beside published ones at their default parameters: on the public
+/// pairs, on the generated meshes of the section, and on the whole benchmark where its results are
+/// there. Pairs that were measured in this run are counted apart.
 fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
     let best = tables.get("best")?;
-    let (least, own) = (best.column("its normal error")?, best.column("automatic")?);
-    let names = best.labels("mesh")?;
-    let ratios = || names.iter().zip(own.iter().zip(&least).map(|(own, least)| own / least));
-    let is_fresh = |name: &str| GENERATED.iter().any(|(body, _)| name.starts_with(body));
-    let of = |fresh: bool| ratios().filter(move |(name, _)| is_fresh(name) == fresh).map(|r| r.1);
-    let (fresh, known): (Vec<f64>, Vec<f64>) = (of(true).collect(), of(false).collect());
-    let wins = |ratios: &[f64]| ratios.iter().filter(|ratio| **ratio <= 1.0).count();
-    let on = |ratios: &[f64]| match wins(ratios) {
-        n if n == ratios.len() => format!("on all {n}"),
-        n => format!("on {n} of the {}", ratios.len()),
-    };
-    let largest = |ratios: &[f64]| ratios.iter().copied().fold(0.0, larger);
+    let (fresh, known) = (Ratios::of(best, true)?, Ratios::of(best, false)?);
+    let public = pairs::standing(tables)?;
     let [cases, worse] = families::worse_than_defaults(tables)?;
-    let losses = fresh.len() + known.len() - wins(&fresh) - wins(&known) + worse;
-    let verdict = match (wins(&fresh), losses) {
+    let of_public = public.as_ref().map_or(0, |public| public.lost);
+    let verdict = match (fresh.wins(), fresh.losses() + known.losses() + worse + of_public) {
         (0, _) => Verdict::Refuted,
         (_, 0) => Verdict::Confirmed,
         _ => Verdict::Qualified,
     };
-    let mut on_known = String::new();
-    if !known.is_empty() {
-        let values = values! { known: on(&known), largest: largest(&known) };
-        on_known = format!(" {}", TEXT.say("automatic on known", values)?);
+    let mut bullets: Vec<String> = public.iter().map(|public| public.words.clone()).collect();
+    let values = values! { fresh: fresh.on()?, largest: fresh.largest() };
+    bullets.push(TEXT.say("automatic on this section", values)?);
+    if !known.0.is_empty() {
+        let values = values! { known: known.on()?, largest: known.largest() };
+        bullets.push(TEXT.say("automatic on known", values)?);
     }
-    let mut lost = String::new();
     if cases > 0 {
-        let values = values! { worse, cases };
-        lost = format!(" {}", TEXT.say("automatic on the benchmark", values)?);
+        bullets.push(TEXT.say("automatic on the benchmark", values! { worse, cases })?);
     }
-    let values = values! { fresh: on(&fresh), largest: largest(&fresh), known: on_known, lost };
+    let finding = bullets.join(" ");
+    let reason = format!("- {}", bullets.join("\n\n- "));
     let mut judgement = TEXT
-        .judgement("automatic", verdict, values)?
+        .judgement("automatic", verdict, values! { reason, finding })?
         .ours()
         .shown(Shown::figure("denoisers", "averages"));
+    if let Some(public) = public {
+        let name = "mean normal error on the public pairs";
+        judgement = judgement.number(name, public.mean, Unit::Degrees);
+    }
     if cases > 0 {
         let name = "benchmark cases in which a published default is better";
         judgement = judgement.number(name, worse as f64, Unit::Count);
     }
-    let ratio = largest(&fresh);
-    Ok(judgement.number("largest ratio to the best published, here", ratio, Unit::One))
+    let name = "largest ratio to the best published, here";
+    Ok(judgement.number(name, fresh.largest(), Unit::One))
 }
 
 fn scores_table() -> Result<Table> {
@@ -452,18 +479,15 @@ mod tests {
         assert_eq!(with(0).verdict, Verdict::Confirmed);
         let some = with(3);
         assert_eq!(some.verdict, Verdict::Qualified);
-        assert!(some.finding.contains("On 3 of the 100 cases"), "{}", some.finding);
+        assert!(some.finding.contains("3 of the 100 cases"), "{}", some.finding);
         let alone = at_defaults(Tables(&[best.clone()])).unwrap();
         assert_eq!(alone.verdict, Verdict::Confirmed);
         assert!(!alone.finding.contains("benchmark"), "{}", alone.finding);
-        // A mesh whose results were known is counted apart, and not passed over if it is lost.
+        // A pair of this run is counted apart, and not passed over if it is lost.
         best.push(row!["noisy machine part", 4.0, 6.0]);
         let with_known = at_defaults(Tables(&[best])).unwrap();
         assert_eq!(with_known.verdict, Verdict::Qualified);
         let text = with_known.finding;
-        assert!(
-            text.contains("on all 1 generated") && text.contains("on 0 of the 1 other"),
-            "{text}"
-        );
+        assert!(text.contains("all 1 generated") && text.contains("0 of the 1 pairs"), "{text}");
     }
 }

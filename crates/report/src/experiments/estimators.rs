@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::every_estimator::EveryEstimator;
 use super::gallery::plotted;
-use super::ordinary;
+use super::ordinary::{self, Refined};
 use super::refinement::second_order;
 use super::samples::{Layout, Sample};
 use super::seen;
@@ -27,6 +27,12 @@ pub(super) struct Estimators;
 
 /// The order in the largest error that counts as convergence.
 const BAR: f64 = 1.7;
+
+/// An order above this is convergence.
+const CONVERGES: f64 = 0.5;
+
+/// The estimator of fixed size with the highest order.
+const EXACT: &str = "jet4";
 
 /// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
@@ -74,7 +80,8 @@ impl Experiment for Estimators {
         let mut figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
         let torus = EveryEstimator::on_torus(context, BASELINE)?;
         figures.push(torus.picture(!context.is_quick())?);
-        let [ordinary, choice, normals] = ordinary::tables(context)?;
+        let refined = refined(&orders, &times)?;
+        let [ordinary, choice, normals] = ordinary::tables(context, &refined)?;
         figures.push(ordinary::plot(&ordinary)?);
         let tables = vec![errors, orders, times, ordinary, choice, normals];
         Ok(Outcome { tables, figures, views: vec![torus.view()?], ..Outcome::default() })
@@ -84,7 +91,10 @@ impl Experiment for Estimators {
         let orders = tables.get("orders")?;
         let mut worst = least_orders(orders)?;
         let reaching = worst.iter().filter(|(_, order)| *order >= BAR);
-        let reaching: Vec<String> = reaching.map(|(name, _)| in_words(name).into()).collect();
+        let reaching = reaching.map(|(name, _)| in_words(name)).collect::<Result<Vec<_>>>()?;
+        let slower = worst.iter().filter(|(_, order)| (CONVERGES..BAR).contains(order));
+        let slow = slower.clone().map(|(_, order)| *order).fold(f64::INFINITY, smaller);
+        let slower = slower.map(|(name, _)| in_words(name)).collect::<Result<Vec<_>>>()?;
         let (best, order) = worst
             .iter()
             .copied()
@@ -93,9 +103,16 @@ impl Experiment for Estimators {
         let (_, baseline) = *baseline.context("the baseline is no estimator")?;
         let is_reached = !reaching.is_empty();
         let verdict = if is_reached { Verdict::Confirmed } else { Verdict::Refuted };
+        let times = tables.get("times")?;
+        let time = |name: &str| times.value(&[("estimator", name.into())], "time per vertex");
+        let recommended = Estimator::RECOMMENDED.name();
+        let [exact_time, recommended_time] =
+            [EXACT, recommended].map(|name| anyhow::Ok(time(name)? / time(BASELINE)?));
         let values = values! {
             bar: BAR, count: reaching.len(), all: worst.len(), reaching: seen::list(&reaching),
-            best: in_words(best), order, baseline,
+            best: in_words(best)?, order, baseline, slower: seen::list(&slower), slow,
+            converges: CONVERGES, exact: in_words(EXACT)?, exact_time: exact_time?,
+            recommended: in_words(recommended)?, recommended_time: recommended_time?,
         };
         let mut judgement = TEXT
             .judgement("estimators", verdict, values)?
@@ -133,14 +150,17 @@ fn least_orders(orders: &Table) -> Result<Vec<(&'static str, f64)>> {
     Ok(worst)
 }
 
+/// Order and time of each estimator.
+fn refined(orders: &Table, times: &Table) -> Result<Vec<Refined>> {
+    let (orders, times) = (least_orders(orders)?, times.column("time per vertex")?);
+    Ok(orders.into_iter().zip(times).map(|((_, order), time)| Refined { order, time }).collect())
+}
+
 /// An estimator in words, where its name is short for them.
-fn in_words(name: &str) -> &str {
+fn in_words(name: &str) -> Result<String> {
     match name {
-        "adaptive" => "the adaptive estimator",
-        "jet2" => "quadratic jets",
-        "jet3" => "cubic jets",
-        "jet4" => "quartic jets",
-        other => other,
+        "adaptive" | "jet2" | "jet3" | "jet4" => TEXT.say(&format!("name {name}"), &[]),
+        other => Ok(other.into()),
     }
 }
 
@@ -297,7 +317,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
     }
-    let values = values! { quantity: what, baseline: BASELINE, rounding: ROUNDING };
+    let values = values! { quantity: what, baseline: BASELINE };
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },

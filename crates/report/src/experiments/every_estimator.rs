@@ -59,9 +59,10 @@ impl EveryEstimator {
         });
         let errors = [(baseline.0, &baseline.1.values[..]), (chosen.0, &chosen.1.values)];
         let seen = seen::errors(&errors)?;
+        let names = errors.map(|(name, _)| name.to_string());
         gallery::errors(
             "torus",
-            &TEXT.say("figure", values! { seen })?,
+            &TEXT.say("figure", values! { seen, names: seen::list(&names) })?,
             &TEXT.say("figure alt", &[])?,
             &self.mesh,
             &[baseline, chosen],

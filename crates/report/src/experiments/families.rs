@@ -211,7 +211,7 @@ struct Standing {
 
 impl Standing {
     fn text(&self) -> Result<String> {
-        let Self { median, worst, above, harmed: [normals, positions], .. } = *self;
-        TEXT.say("standing", values! { median, worst, above, bar: BAR, normals, positions })
+        let Self { median, worst, above, harmed: [normals, _], .. } = *self;
+        TEXT.say("standing", values! { median, worst, above, bar: BAR, normals })
     }
 }

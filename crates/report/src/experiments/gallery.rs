@@ -102,7 +102,9 @@ impl Gallery<'_> {
                     let (colors, bar) = coloring.paint()?;
                     // Looks on one scale share its bar.
                     let same = |b: &ColorBar| b.scale == bar.scale && b.quantity == bar.quantity;
-                    if !figure.bars.iter().any(same) {
+                    // A range as narrow as rounding says nothing.
+                    let is_flat = bar.scale.high() - bar.scale.low() < 1.01 * FLAT;
+                    if !is_flat && !figure.bars.iter().any(same) {
                         figure.bars.push(bar);
                     }
                     Some(colors)
@@ -152,6 +154,15 @@ impl Coloring<'_> {
 fn drawn(curvature: &ScalarCurvature) -> Result<Field<'_>> {
     let undefined: Vec<bool> = curvature.status.iter().map(|s| !s.is_defined()).collect();
     Ok(Field::new(&curvature.values).undefined_where(&undefined)?)
+}
+
+/// The range of the values inside of all these fields.
+pub(super) fn common_limits(fields: &[&ScalarCurvature], options: &ScaleOptions) -> Result<Limits> {
+    let inside =
+        fields.iter().map(|field| anyhow::Ok(drawn(field)?.range_without(&field.boundary)?));
+    let inside: Vec<Field<'_>> = inside.collect::<Result<_>>()?;
+    let scale = Scale::new(&inside.iter().collect::<Vec<_>>(), options)?;
+    Ok(Limits::Fixed { low: scale.low(), high: scale.high() })
 }
 
 /// Signed errors of several estimates on one mesh, in one range.

@@ -25,6 +25,7 @@ mod mode_sums;
 mod models;
 mod ordinary;
 mod over_lambda;
+mod pairs;
 mod refinement;
 mod restoring;
 mod samples;

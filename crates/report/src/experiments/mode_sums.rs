@@ -6,7 +6,9 @@ use fairing_shapes as shapes;
 use fairing_spectral::{SpectrumOptions, spectrum};
 use ndarray::ArrayView2;
 
+use super::q4::words::TEXT;
 use crate::experiment::Context;
+use crate::experiment::text::values;
 use crate::model::view::{Modes, Panel, View};
 
 /// The view on the page.
@@ -29,11 +31,8 @@ pub(super) fn view(context: &Context<'_>) -> Result<View> {
     Ok(View {
         id: VIEW.into(),
         mesh: "creature".into(),
-        caption: format!(
-            "The creature grows out of its smoothest modes, the coarse shape first, details last. Drag k: the sum is computed in the page. The colours are the mode that is being added; it has up to {count} of {} modes. The plot shows how much of the shape is in each mode.",
-            mesh.vertex_count()
-        ),
-        alt: "A creature from a number of modes that can be dragged, beside the original.".into(),
+        caption: TEXT.say("view modes", values! { count, all: mesh.vertex_count() })?,
+        alt: TEXT.say("view modes alt", &[])?,
         fallback: "decay".into(),
         z_up: false,
         sliders: vec![],

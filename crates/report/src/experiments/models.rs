@@ -15,6 +15,15 @@ use crate::model::table::{Cell, Unit};
 /// Below this share hardly a digit of the shape is left.
 pub(super) const POINT: f64 = 1e-9;
 
+/// Beyond this growth of the diagonal a mesh has diverged: its errors are numbers of its roughest
+/// mode, which tables do not show.
+pub(super) const DIVERGED: f64 = 2.0;
+
+/// A cell of a table for a number of a mesh, which has none if it has diverged.
+pub(super) fn unless_diverged(growth: f64, number: impl Into<Cell>) -> Cell {
+    if growth > DIVERGED { "diverged".into() } else { number.into() }
+}
+
 /// Edges that turn by at least this many degrees are features.
 pub(super) const FEATURE: f64 = 30.0;
 
@@ -185,7 +194,7 @@ pub(super) const COLUMNS: [(&str, Unit); 13] = [
 impl Measures {
     pub(super) fn cells(&self) -> [Cell; 13] {
         let [f_score, precision, recall] = self.creases;
-        [
+        let mut cells: [Cell; 13] = [
             self.normal.into(),
             self.vertex.into(),
             self.surface.into(),
@@ -199,7 +208,11 @@ impl Measures {
             self.inside.into(),
             self.border.into(),
             self.growth.into(),
-        ]
+        ];
+        for cell in &mut cells[..12] {
+            *cell = unless_diverged(self.growth, cell.clone());
+        }
+        cells
     }
 }
 

@@ -89,14 +89,15 @@ impl Experiment for Noise {
         let faint = plain.only(&[("σ/h", LEVELS[0].into())])?;
         let [k_low, k_high] = extremes(faint.column("change of K")?);
         let [h_low, h_high] = extremes(faint.column("change of H")?);
+        let [step_low, step_high] = steps(&faint)?;
         let verdict = match (k_low > DISTURBED, k_high < DISTURBED) {
             (true, _) => Verdict::Refuted,
             (_, true) if high < DISTURBED => Verdict::Confirmed,
             _ => Verdict::Qualified,
         };
         let values = values! {
-            level: LEVELS[0], k_low, k_high, h_low, h_high, low, high, middle, all_middle, all_low,
-            error, total,
+            level: LEVELS[0], k_low, k_high, h_low, h_high, step_low, step_high, low, high, middle,
+            all_middle, all_low, error, total,
         };
         Ok(vec![
             TEXT.judgement("1a", verdict, values)?
@@ -112,6 +113,19 @@ impl Experiment for Noise {
                 .number("largest distance of the total from 2πχ", total, Unit::Radians),
         ])
     }
+}
+
+/// The least and the largest growth of a change, of H or of K, from a mesh to that of half the edge
+/// length, where the noise is the same part of it.
+fn steps(changes: &Table) -> Result<[f64; 2]> {
+    let mut steps = vec![];
+    for surface in SURFACES {
+        let rows = changes.only(&[("surface", surface.name().into())])?;
+        for column in ["change of H", "change of K"] {
+            steps.extend(rows.column(column)?.windows(2).map(|pair| pair[1] / pair[0]));
+        }
+    }
+    Ok(extremes(steps))
 }
 
 fn changes_table() -> Result<Table> {

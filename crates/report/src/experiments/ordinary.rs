@@ -37,9 +37,18 @@ type Case = (Sample, Layout, u32, f64);
 /// [`NormalWeight::ALL`].
 type Angles = [f64; NormalWeight::ALL.len()];
 
-/// The errors of all estimators, their comparison with the best of the others on each mesh, and the
-/// comparison of each weight of vertex normals with the best.
-pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
+/// An estimator under refinement.
+pub(super) struct Refined {
+    /// The least order of its largest errors of H and K on jittered surfaces.
+    pub(super) order: f64,
+    /// Seconds per vertex.
+    pub(super) time: f64,
+}
+
+/// The errors of all estimators, their comparison with the best of the others on each mesh beside
+/// what refinement has shown of each, and the comparison of each weight of vertex normals with the
+/// best.
+pub(super) fn tables(context: &Context<'_>, refined: &[Refined]) -> Result<[Table; 3]> {
     let mut cases: Vec<Case> = vec![];
     for sample in SURFACES {
         for layout in [Layout::Regular, Layout::Jittered] {
@@ -53,7 +62,7 @@ pub(super) fn tables(context: &Context<'_>) -> Result<[Table; 3]> {
     let (rows, angles): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut errors = errors_table()?;
     rows.into_iter().flatten().for_each(|row| errors.push(row));
-    let choice = choice(&errors)?;
+    let choice = choice(&errors, refined)?;
     Ok([errors, choice, normals(&cases, &angles)?])
 }
 
@@ -163,8 +172,9 @@ fn errors_table() -> Result<Table> {
     }))
 }
 
-/// The median and the largest ratio to the best of the others over all meshes, H and K together.
-fn choice(errors: &Table) -> Result<Table> {
+/// The median and the largest ratio to the best of the others over all meshes, H and K together;
+/// order and time.
+fn choice(errors: &Table, refined: &[Refined]) -> Result<Table> {
     let mut table = Table::new(
         "choice",
         &TEXT.say("table choice", &[])?,
@@ -174,12 +184,15 @@ fn choice(errors: &Table) -> Result<Table> {
             ("noisy", Unit::One),
             ("all", Unit::One),
             ("largest", Unit::One),
+            ("least order", Unit::Order),
+            ("time", Unit::Seconds),
         ],
-    );
+    )
+    .tolerance("least order", Some(Tolerance { relative: 0.0, absolute: 0.02 }));
     for name in ["clean", "noisy", "all", "largest"] {
         table = table.tolerance(name, Some(Tolerance { relative: 1e-3, absolute: 1e-6 }));
     }
-    for estimator in Estimator::all() {
+    for (estimator, refined) in Estimator::all().iter().zip(refined) {
         let rows = errors.only(&[("estimator", estimator.name().into())])?;
         let noise = rows.column("noise")?;
         let mut ratios = vec![];
@@ -198,7 +211,9 @@ fn choice(errors: &Table) -> Result<Table> {
             over(&|noise| noise == 0.0)?,
             over(&|noise| noise > 0.0)?,
             over(&|_| true)?,
-            largest
+            largest,
+            refined.order,
+            refined.time
         ]);
     }
     Ok(table)

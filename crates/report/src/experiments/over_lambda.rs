@@ -10,14 +10,18 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{COLUMNS, CREASES, Measures, Model, POINT, SAMPLES, slug};
+use super::models::{COLUMNS, CREASES, DIVERGED, FEATURE, Measures, Model, POINT, SAMPLES, slug};
 use super::statistics::least;
 use crate::experiment::Context;
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{MeshOutput, Outcome, Picture};
+use crate::experiment::text::{Text, values};
 use crate::model::table::{Table, Tolerance, Unit, brief};
 use crate::model::view::{Panel, Slider, View};
 use crate::row;
+
+/// The words of both questions.
+static TEXT: Text = Text::new("over_lambda", include_str!("../../text/over_lambda.md"));
 
 /// The numbers of steps that views show, up to those of the flow.
 const VIEWED_STEPS: [usize; 1] = [10];
@@ -103,23 +107,6 @@ impl Favourites {
         };
         Ok(Self { surface: both("surface error")?, normals: both("normal error")? })
     }
-
-    /// Both in a sentence, each with its error.
-    pub(super) fn words(&self, iterations: usize) -> String {
-        let [a, b] = self.surface;
-        let [c, d] = self.normals;
-        format!(
-            "After {iterations} steps the surface error is least at λ = {} on the patch ({} h) and {} on the machine part ({} h), the normal error at {} ({}°) and {} ({}°).",
-            brief(a.lambda),
-            brief(a.error),
-            brief(b.lambda),
-            brief(b.error),
-            brief(c.lambda),
-            brief(c.error),
-            brief(d.lambda),
-            brief(d.error),
-        )
-    }
 }
 
 /// The meshes of both questions.
@@ -132,34 +119,23 @@ pub(super) fn parameters(lambdas: &[f64], iterations: usize) -> Vec<(&'static st
     vec![
         ("λ", lambdas.join(", ")),
         ("iterations", iterations.to_string()),
-        ("weights", "uniform; boundaries free".into()),
+        ("weights", TEXT.words("weights", &[])),
     ]
 }
 
 /// Effect visible in the plots of both questions, from the best λ by both errors.
-pub(super) fn seen_in_plot(best: &Favourites) -> String {
+pub(super) fn seen_in_plot(best: &Favourites) -> Result<String> {
     let of = |(normals, surface): (&Best, &Best)| normals.lambda.total_cmp(&surface.lambda);
     let orders: Vec<Ordering> = best.normals.iter().zip(&best.surface).map(of).collect();
     let words = |order: Ordering| match order {
-        Ordering::Greater => "at longer steps than the surface error",
-        Ordering::Less => "at shorter steps than the surface error",
-        Ordering::Equal => "at the same step as the surface error",
+        Ordering::Greater => TEXT.say("longer", &[]),
+        Ordering::Less => TEXT.say("shorter", &[]),
+        Ordering::Equal => TEXT.say("same", &[]),
     };
-    let first = if orders[0] == orders[1] {
-        format!("On both meshes the normal error is smallest {}", words(orders[0]))
-    } else {
-        format!(
-            "On the patch the normal error is smallest {}, on the machine part {}",
-            words(orders[0]),
-            words(orders[1])
-        )
-    };
-    let end = if best.normals[0].is_last {
-        "; on the patch it falls up to the last step, because normals do not see a mesh shrink"
-    } else {
-        ""
-    };
-    format!("{first}{end}.")
+    let (patch, part) = (words(orders[0])?, words(orders[1])?);
+    let heading = if orders[0] == orders[1] { "plot of both" } else { "plot of each" };
+    let end = if best.normals[0].is_last { "falls to the end" } else { "ends" };
+    TEXT.say(heading, values! { patch, part, end: TEXT.say(end, &[])? })
 }
 
 /// The style of implicit steps in plots.
@@ -186,8 +162,7 @@ pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Pictur
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
     }
-    let picture =
-        plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")?;
+    let picture = plotted(&figure, "sweep", caption, &TEXT.say("plot alt", &[])?)?;
     Ok(SWEPT_MESHES.iter().fold(picture, |picture, mesh| {
         picture.linked("", mesh, &format!("{}-view", slug(mesh)), "λ")
     }))
@@ -217,9 +192,8 @@ impl OverLambda<'_> {
         let Self { kind, lambdas, iterations, .. } = *self;
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
-        let caption = format!(
-            "After {iterations} {kind} steps. λ = 0 is the input; volume and area are compared with the truth. The vertex error is the mean distance of the vertices from the true surface, the surface error the mean of this distance and of that from the truth back to the mesh, each at up to {SAMPLES} vertices; the second shows that a patch has shrunk. The CSV also has the vertex error, precision and recall of the creases, displacements, and the growth of the diagonal."
-        );
+        let values = values! { iterations, kind, samples: SAMPLES };
+        let caption = TEXT.say("table flows", values)?;
         let mut table = Table::new("flows", &caption, &columns)
             .aside(&["vertex error", "crease precision", "crease recall"])
             .aside(&["displacement", "largest displacement", "growth"])
@@ -241,12 +215,10 @@ impl OverLambda<'_> {
             outcome.figures.push(self.picture(model, &smoothed, &measured)?);
             outcome.views.push(self.view(model, &smoothed, &measured)?);
             for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
+                let values = values! { name: model.name, iterations, kind, lambda };
                 outcome.meshes.push(MeshOutput {
                     id: format!("{}-{}", model.slug(), slug(&lambda.to_string())),
-                    caption: format!(
-                        "The {} after {iterations} {kind} steps with λ = {lambda}.",
-                        model.name
-                    ),
+                    caption: TEXT.say("mesh", values)?,
                     mesh,
                     fields: vec![],
                 });
@@ -255,18 +227,15 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
-    /// The figures of the original report that show the same, as a sentence.
-    fn counterpart(&self, mesh: &str) -> &'static str {
-        match (self.kind, mesh) {
-            ("explicit", "patch") => " Counterpart of Figures 5 to 7 of the original report.",
-            ("explicit", "machine part") => {
-                " Counterpart of Figures 8 and 9 of the original report."
-            }
-            ("implicit", "patch" | "machine part") => {
-                " Counterpart of Figure 10 of the original report."
-            }
-            _ => "",
-        }
+    /// The figures of the original report that show the same, in brackets; empty without any.
+    fn counterpart(&self, mesh: &str) -> Result<String> {
+        let heading = match (self.kind, mesh) {
+            ("explicit", "patch") => "counterpart of explicit patch",
+            ("explicit", "machine part") => "counterpart of explicit machine part",
+            ("implicit", "patch" | "machine part") => "counterpart of implicit",
+            _ => return Ok(String::new()),
+        };
+        Ok(format!(" {}", TEXT.say(heading, &[])?))
     }
 
     /// The input and the results from two viewpoints; what has diverged or shrunk is scaled to fit.
@@ -286,19 +255,16 @@ impl OverLambda<'_> {
             }
         }
         let scaled = shown.iter().any(|(title, _)| title.contains('('));
-        let caption = format!(
-            "{} The {} before and after {iterations} {kind} steps, from two viewpoints{}.{}",
-            seen(model.name, lambdas, measured),
-            model.name,
-            if scaled { "; a title in brackets gives the scale of its picture" } else { "" },
-            self.counterpart(model.name)
-        );
-        let alt = format!(
-            "{} pictures of the {}: the input and {} steps, from two sides.",
-            VIEWPOINTS.len() * shown.len(),
-            model.name,
-            shown.len() - 1
-        );
+        let values = values! {
+            name: model.name, iterations, kind,
+            scaled: if scaled { TEXT.say("scaled", &[])? } else { String::new() },
+            counterpart: self.counterpart(model.name)?,
+            seen: seen(model.name, lambdas, measured)?,
+        };
+        let caption = TEXT.say("figure", values)?;
+        let count = VIEWPOINTS.len() * shown.len();
+        let values = values! { count, name: model.name, steps: shown.len() - 1 };
+        let alt = TEXT.say("figure alt", values)?;
         side_by_side(model, &model.slug(), &shown, &caption, &alt)
     }
 
@@ -319,8 +285,12 @@ impl OverLambda<'_> {
     /// The input, which the page can smooth, beside the flow at each λ on its way.
     fn view(&self, model: &Model, smoothed: &[TriMesh], measured: &[Measures]) -> Result<View> {
         let Self { kind, lambdas, iterations, viewed, .. } = *self;
-        let left_out =
-            if viewed < lambdas.len() { " (the view leaves out what diverges)" } else { "" };
+        let left_out = if viewed < lambdas.len() { "left out" } else { "nothing left out" };
+        let values = values! {
+            name: model.name, kind, left_out: TEXT.say(left_out, &[])?,
+            counterpart: self.counterpart(model.name)?,
+            seen: seen(model.name, &lambdas[..viewed], &measured[..=viewed])?,
+        };
         let counts: Vec<usize> =
             VIEWED_STEPS.into_iter().filter(|&n| n < iterations).chain([iterations]).collect();
         let mut stops: Vec<(TriMesh, Measures)> = vec![];
@@ -338,13 +308,8 @@ impl OverLambda<'_> {
         Ok(View {
             id: format!("{}-view", model.slug()),
             mesh: model.name.into(),
-            caption: format!(
-                "{} The {} before and after {kind} steps, over λ and their number{left_out}.{} The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
-                seen(model.name, &lambdas[..viewed], &measured[..=viewed]),
-                model.name,
-                self.counterpart(model.name)
-            ),
-            alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
+            caption: TEXT.say("view", values)?,
+            alt: TEXT.say("view alt", values)?,
             fallback: model.slug(),
             color: None,
             z_up: true,
@@ -389,8 +354,6 @@ pub(super) fn side_by_side(
     gallery.draw(id, caption, alt)
 }
 
-/// Beyond this growth of the diagonal a mesh is said to diverge.
-pub(super) const DIVERGED: f64 = 2.0;
 /// Below this share of its diagonal a mesh is drawn enlarged.
 const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
@@ -418,7 +381,7 @@ fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<Option<(TriMesh, String)>> {
 /// A normal error above this is visible noise, in degrees.
 const NOISY: f64 = 1.0;
 
-/// Creases whose F-score is below this are lost.
+/// Creases of which a smaller share is found are lost.
 const LOST: f64 = 0.5;
 
 /// A loss of area above this is visible, in percent.
@@ -428,57 +391,61 @@ const SHRUNK: f64 = 20.0;
 const VANISHED: f64 = -99.5;
 
 /// The effect visible in pictures of a mesh after steps of these λ, from what was measured on the
-/// input and after each of them.
-fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> String {
-    let Some((input, after)) = measured.split_first() else { return String::new() };
-    let runs = || lambdas.iter().copied().zip(after);
-    let points: Vec<f64> = runs().filter(|r| r.1.growth < POINT).map(|r| r.0).collect();
-    let shapes: Vec<(f64, &Measures)> =
-        runs().filter(|r| (POINT..=DIVERGED).contains(&r.1.growth)).collect();
-    let mut sentences = vec![];
+/// input and after each of them: a sentence.
+fn seen(name: &str, lambdas: &[f64], measured: &[Measures]) -> Result<String> {
+    let Some((input, after)) = measured.split_first() else { return Ok(String::new()) };
+    let runs: Vec<(f64, &Measures)> = lambdas.iter().copied().zip(after).collect();
+    let is_shape = |m: &Measures| (POINT..=DIVERGED).contains(&m.growth);
+    let shapes: Vec<(f64, &Measures)> = runs.iter().copied().filter(|r| is_shape(r.1)).collect();
+    let mut clauses = vec![smoothest(name, input, &shapes)?];
+    clauses.extend(lost(&shapes)?);
+    clauses.extend(not_drawn(&runs)?);
+    Ok(format!("{}.", clauses.join("; ")))
+}
+
+/// The step with the smallest normal error, as the beginning of a sentence.
+fn smoothest(name: &str, input: &Measures, shapes: &[(f64, &Measures)]) -> Result<String> {
     let normal = |m: &Measures| m.normal.unwrap_or(f64::INFINITY);
     let noise = normal(input);
-    let smoothest = shapes.iter().min_by(|a, b| normal(a.1).total_cmp(&normal(b.1)));
-    match smoothest {
-        Some((lambda, m)) if (NOISY..f64::INFINITY).contains(&noise) && normal(m) < noise => {
-            sentences.push(format!(
-                "Among these λ, {} leaves the smallest normal error, {}° instead of {}°.",
-                brief(*lambda),
-                brief(normal(m)),
-                brief(noise)
-            ));
+    let best = shapes.iter().min_by(|a, b| normal(a.1).total_cmp(&normal(b.1)));
+    match best {
+        _ if noise < NOISY => TEXT.say("no noise", values! { name }),
+        Some((lambda, m)) if noise.is_finite() && normal(m) < noise => {
+            TEXT.say("smoothest", values! { lambda: *lambda, error: normal(m), noise })
         }
-        _ if noise < NOISY => sentences.push(format!("The {name} has no noise to lose.")),
-        _ => {
-            let noise = brief(noise);
-            sentences
-                .push(format!("No λ brings the normal error below {noise}°, that of the input."));
-        }
+        _ => TEXT.say("never below", values! { noise }),
     }
-    let has_creases = |m: &Measures| m.creases[0].is_none_or(|score| score >= LOST);
+}
+
+/// From where on creases are lost, and the loss of area at the longest step, as clauses.
+fn lost(shapes: &[(f64, &Measures)]) -> Result<Vec<String>> {
+    let mut clauses = vec![];
+    let has_creases = |m: &Measures| m.creases[2].is_none_or(|recall| recall >= LOST);
     let kept = shapes.iter().rposition(|(_, m)| has_creases(m)).map_or(0, |last| last + 1);
     if let Some((lambda, _)) = shapes.get(kept).filter(|_| kept > 0) {
-        sentences.push(format!("From λ = {} on its creases are lost.", brief(*lambda)));
+        clauses.push(TEXT.say("creases lost", values! { lambda: *lambda, turn: FEATURE })?);
     }
     let area = |m: &Measures| m.area.unwrap_or(0.0);
     if let Some((lambda, m)) = shapes.last().filter(|(_, m)| area(m) < -SHRUNK) {
-        let words = if area(m) < VANISHED {
-            "all but vanished".to_string()
-        } else {
-            format!("shrunk by {} %", brief(-area(m)))
-        };
-        sentences.push(format!("At λ = {} its area has {words}.", brief(*lambda)));
+        let heading = if area(m) < VANISHED { "vanished" } else { "shrunk" };
+        clauses.push(TEXT.say(heading, values! { lambda: *lambda, loss: -area(m) })?);
     }
+    Ok(clauses)
+}
+
+/// Steps after which no surface is left to draw, as clauses.
+fn not_drawn(runs: &[(f64, &Measures)]) -> Result<Vec<String>> {
+    let mut clauses = vec![];
+    let points: Vec<f64> = runs.iter().filter(|r| r.1.growth < POINT).map(|r| r.0).collect();
     if let [first, others @ ..] = &points[..] {
-        let more = if others.is_empty() { "" } else { " and more" };
-        sentences
-            .push(format!("At λ = {}{more} it is a point, with nothing to draw.", brief(*first)));
+        let heading = if others.is_empty() { "point" } else { "points" };
+        clauses.push(TEXT.say(heading, values! { lambda: *first })?);
     }
-    if let Some((lambda, m)) = runs().find(|r| r.1.growth > DIVERGED) {
-        let line = if area(m) < 0.0 { " into a line, with nothing to draw" } else { "" };
-        sentences.push(format!("At λ = {} it explodes{line}.", brief(lambda)));
+    if let Some((lambda, m)) = runs.iter().find(|r| r.1.growth > DIVERGED) {
+        let heading = if m.area.unwrap_or(0.0) < 0.0 { "line" } else { "diverged" };
+        clauses.push(TEXT.say(heading, values! { lambda: *lambda })?);
     }
-    sentences.join(" ")
+    Ok(clauses)
 }
 
 /// The mesh scaled about its mean to the size of another, so that both fit in one picture.
@@ -514,7 +481,7 @@ mod tests {
     fn the_caption_of_a_sweep_tells_the_meshes_apart() {
         let at = |lambda: f64, is_last: bool| Best { lambda, error: 1.0, is_last };
         let surface = [at(0.1, false); 2];
-        let text = |normals: [Best; 2]| seen_in_plot(&Favourites { surface, normals });
+        let text = |normals: [Best; 2]| seen_in_plot(&Favourites { surface, normals }).unwrap();
         let both = text([at(1.0, false); 2]);
         assert_eq!(
             both,
@@ -557,25 +524,22 @@ mod tests {
         let round = Measures { normal: Some(9.0), creases: [Some(0.1); 3], ..SHAPE };
         let exploded = Measures { growth: 1e12, ..SHAPE };
         let point = Measures { normal: None, creases: [None; 3], growth: 1e-12, ..SHAPE };
+        let seen = |name: &str, lambdas: &[f64], measured: &[Measures]| {
+            super::seen(name, lambdas, measured).unwrap()
+        };
         let text = seen("part", &[0.1, 1.0, 2.0], &[SHAPE, smooth, round, exploded]);
-        let expected = [
-            "Among these λ, 0.1 leaves the smallest normal error, 5° instead of 20°.",
-            "From λ = 1 on its creases are lost.",
-            "At λ = 2 it explodes.",
-        ];
-        assert_eq!(text, expected.join(" "));
-        assert!(!seen("part", &[0.1, 1.0], &[SHAPE, smooth, round]).contains("explodes"));
+        let expected = "The normal error is smallest at λ = 0.1, 5° instead of 20°; from λ = 1 on \
+             most creases turn by less than 30°; at λ = 2 it has diverged.";
+        assert_eq!(text, expected);
+        assert!(!seen("part", &[0.1, 1.0], &[SHAPE, smooth, round]).contains("diverged"));
         let worse = Measures { normal: Some(30.0), ..SHAPE };
         let text = seen("part", &[1.0], &[SHAPE, worse]);
         assert_eq!(text, "No λ brings the normal error below 20°, that of the input.");
         let clean = Measures { normal: Some(0.0), ..SHAPE };
         let shrunk = Measures { area: Some(-60.0), growth: 0.5, ..SHAPE };
         let text = seen("cube", &[0.1, 1.0, 2.0], &[clean, shrunk, point, point]);
-        let expected = [
-            "The cube has no noise to lose.",
-            "At λ = 0.1 its area has shrunk by 60 %.",
-            "At λ = 1 and more it is a point, with nothing to draw.",
-        ];
-        assert_eq!(text, expected.join(" "));
+        let expected = "The cube has no noise; at λ = 0.1 its area has shrunk by 60 %; from λ = 1 \
+             on it has collapsed to a point and is not drawn.";
+        assert_eq!(text, expected);
     }
 }

@@ -124,13 +124,17 @@ impl<'a> Pictures<'a> {
             unit,
         };
         let seen = seen::equalised(&[("‖Δx‖/2", self.length), ("K", self.gaussian)])?;
+        // Zero and one high value are far apart on the hue circle.
+        let is_flat = seen::is_flat(self.scaled);
+        let blended =
+            if is_flat { format!(" {}", TEXT.say("blended", &[])?) } else { String::new() };
         self.gallery(
             coloring(self.length, "‖Δx‖/2, uniform", "mesh units"),
             coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
         )
         .draw(
             self.name,
-            &TEXT.say("figure equalised", values! { seen, name: self.name })?,
+            &TEXT.say("figure equalised", values! { seen, name: self.name, blended })?,
             &TEXT.say("figure equalised alt", values! { name: self.name })?,
         )
     }
@@ -205,7 +209,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
     let [_, regular] = worst("regular", SCALED)?;
     let [_, jittered] = worst("jittered", SCALED)?;
     let torus = refinement::finest(errors, "torus", "regular", SCALED)?;
-    let [least, gaussian] = worst("regular", DEFECT)?;
+    let [least, _] = worst("regular", DEFECT)?;
     let [_, irregular] = worst("jittered", DEFECT)?;
     let left = refinement::finest(errors, "torus", "jittered", DEFECT)?;
     let largest = TestSurface::ALL
@@ -218,17 +222,15 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
             let order = orders.value(&rows, "order of the largest")?;
             let error = errors.only(&rows)?.column("largest error")?;
             let [first, last] = [error[0], error[error.len() - 1]];
-            let what = if order > CONVERGES {
+            let heading = if order > CONVERGES {
                 "falls"
             } else if last > first * (1.0 + GROWS) {
                 "grows"
             } else {
                 "stays"
             };
-            TEXT.say(
-                "note largest",
-                values! { falls: what, surface: surface.name(), first, last, order },
-            )
+            let falls = TEXT.say(heading, &[])?;
+            TEXT.say("note largest", values! { falls, surface: surface.name(), order })
         })
         .into_iter()
         .collect::<Result<Vec<_>>>()?;
@@ -237,8 +239,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
         TEXT.say(
             "note numbers",
             values! {
-                regular, jittered, least, gaussian,
-                irregular, largest: largest.join(", "),
+                regular, jittered, least, irregular, largest: largest.join(", "),
             },
         )?,
     ])

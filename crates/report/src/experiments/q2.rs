@@ -113,7 +113,7 @@ fn forms() -> Result<Table> {
         ],
     )
     .tolerance("κ along y, differences", Some(Tolerance { relative: 1e-4, absolute: 0.0 }))
-    .aside(&["E", "F", "G", "κ along z"]);
+    .aside(&["E", "F", "G", "f", "κ along z"]);
     for axes in AXES {
         let [a, b, c] = axes;
         let ellipsoid = Ellipsoid { a, b, c };

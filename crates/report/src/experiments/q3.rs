@@ -6,12 +6,12 @@ use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{
     MeanCurvature, ScalarCurvature, mean_curvature, scaled_umbrella_mean_curvature,
 };
-use fairing_operators::{LumpedArea, OperatorError};
+use fairing_operators::{LumpedArea, OperatorError, lumped_mass};
 use fairing_shapes as shapes;
 use fairing_sparse::larger;
 
 use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
-use super::refinement::{self, Estimator, Quantity, finest};
+use super::refinement::{self, Deviation, Estimator, Quantity, finest};
 use super::seen;
 use super::spread;
 use super::statistics::extremes;
@@ -20,7 +20,7 @@ use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{MeshOutput, Outcome, Picture};
 use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::table::{Cell, Table, Tables, Unit, brief};
+use crate::model::table::{Cell, Table, Tables, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::model::view::{Panel, View};
 use crate::row;
@@ -231,13 +231,15 @@ fn pictures(
         &TEXT.say("figure equalised", values! { seen, counterpart: counterpart(name), name })?,
         &TEXT.say("figure equalised alt", values! { name })?,
     )?;
+    let options = ScaleOptions { resolution: FLAT, ..ScaleOptions::SIGNED };
+    let limits = gallery::common_limits(&[&uniform, &cotangent], &options)?;
     let signed = |title: &'static str, field| Look {
         title,
         mesh,
         coloring: Some(Coloring {
             field,
             range: Range::Inside,
-            options: ScaleOptions { resolution: FLAT, ..ScaleOptions::SIGNED },
+            options: ScaleOptions { limits, ..options },
             quantity: if title == "uniform" { "H, uniform, scaled" } else { "H, cotangent" },
             unit: "1/mesh units",
         }),
@@ -303,51 +305,30 @@ fn view(
     })
 }
 
-/// The mean of these values on the outer and on the inner half of a torus.
-fn around_the_hole(torus: &TriMesh, values: &[f64]) -> [f64; 2] {
-    [true, false].map(|outer| {
-        let own = values
-            .iter()
-            .zip(torus.positions())
-            .filter(|(_, p)| (libm::hypot(p[0], p[1]) > 1.0) == outer);
-        let (sum, count) = own.fold((0.0, 0.0), |(s, n), (value, _)| (s + value, n + 1.0));
-        sum / count
-    })
-}
-
-/// A mean error of H, in words.
-fn signed_gap(gap: f64) -> String {
-    format!("{} {}", brief(gap.abs()), if gap < 0.0 { "too low" } else { "too high" })
-}
-
 /// Both estimates on a jittered torus, where the exact curvature is known.
 fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let surface = TestSurface::Torus;
-    let seed = context.seed("torus");
-    let mesh = surface.mesh(context.choose(4, 3), Sampling::Jittered, seed);
+    let level = context.choose(4, 3);
+    // The mesh of the table, and its measure of the error.
+    let mesh = surface.mesh(level, Sampling::Jittered, refinement::seed(context, surface, level));
+    let mass = lumped_mass(&mesh, LumpedArea::Barycentric)?;
     let exact: Option<Vec<f64>> =
         mesh.positions().iter().map(|&p| surface.exact(p).map(|c| c.mean())).collect();
     let exact = exact.context("a vertex off the torus")?;
-    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let panel =
-        |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature, [f64; 2])> {
-            let mean = operator(&mesh)?;
-            let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
-            let error =
-                (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
-            let halves = around_the_hole(&mesh, &gaps);
-            let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
-            let panel = Panel::still(title, &mesh)
-                .with_field("mean curvature", "1/mesh units", true, &mean.signed)
-                .exactly(exact.clone())
-                .with_fact("RMS error", "%", vec![Some(100.0 * error)]);
-            Ok((panel, error, gaps, halves))
-        };
-    let (uniform, first, theirs, [outer, inner]) = panel("uniform", SCALED)?;
-    let (cotangent, second, ours, _) = panel("cotangent", MIXED)?;
-    let values = values! {
-        outer: signed_gap(outer), inner: signed_gap(inner), uniform: first, cotangent: second,
+    let panel = |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature)> {
+        let mean = operator(&mesh)?;
+        let error = Deviation::new(&mean.signed, &exact, &mass).rms;
+        let gaps = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
+        let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
+        let panel = Panel::still(title, &mesh)
+            .with_field("mean curvature", "1/mesh units", true, &mean.signed)
+            .exactly(exact.clone())
+            .with_fact("RMS error", "%", vec![Some(100.0 * error)]);
+        Ok((panel, error, gaps))
     };
+    let (uniform, first, theirs) = panel("uniform", SCALED)?;
+    let (cotangent, second, ours) = panel("cotangent", MIXED)?;
+    let values = values! { uniform: first, cotangent: second };
     let picture = gallery::errors(
         "torus",
         &TEXT.say("figure torus", values)?,

@@ -1,7 +1,7 @@
 //! Question 4: a mesh from its k smoothest modes.
 
 mod pictures;
-mod words;
+pub(super) mod words;
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
@@ -25,7 +25,7 @@ use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{Attachment, Content, MeshOutput, Outcome};
 use crate::experiment::text::values;
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::table::{Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::model::view::View;
 use crate::row;
@@ -53,8 +53,7 @@ const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
 impl Experiment for Reconstruction {
     fn card(&self) -> Card {
         let stops = STOPS.map(|k| k.to_string()).join(", ");
-        let stops =
-            format!("{stops}, all (small meshes); each up to the next gap between eigenvalues");
+        let stops = TEXT.words("stops", values! { stops });
         let parameters = vec![("k", stops), ("mass", "barycentric".into())];
         TEXT.card(&[Input::Armadillo, Input::ArmadilloLarge], parameters, &[])
     }
@@ -110,15 +109,12 @@ fn reconstruction(tables: Tables<'_>) -> Result<Judgement> {
         (true, false) => Verdict::Confirmed,
         _ => Verdict::Refuted,
     };
-    let mismatch = if mismatch < ROUNDING {
-        "rounding".to_string()
-    } else {
-        format!("{} of the diagonal", brief(mismatch))
-    };
+    let heading = if mismatch < ROUNDING { "rounding" } else { "of the diagonal" };
+    let mismatch = TEXT.say(heading, values! { error: mismatch })?;
     let percent = |x: f64| format!("{x:.0}");
     let values = values! {
         mismatch, few: ks[0].to_string(), more: ks[1].to_string(), name: names[0].as_str(),
-        step: percent(steps[0]), left: what_is_left(ks[ks.len() - 1], complete, last),
+        step: percent(steps[0]), left: what_is_left(ks[ks.len() - 1], complete, last)?,
         least: percent(steps.iter().copied().fold(f64::INFINITY, smaller)),
         most: percent(steps.iter().copied().fold(0.0, larger)),
     };
@@ -166,12 +162,15 @@ fn orders(tables: Tables<'_>, sampling: Sampling) -> Result<[f64; 2]> {
 }
 
 /// The error at the last stop, in words.
-fn what_is_left(modes: f64, complete: bool, last: f64) -> String {
-    match complete {
-        true if last < ROUNDING => format!("with all {modes} modes only rounding error remains"),
-        true => format!("all {modes} modes leave {} of the diagonal", brief(last)),
-        false => format!("the last stop, {modes} modes, leaves {} of the diagonal", brief(last)),
-    }
+fn what_is_left(modes: f64, complete: bool, last: f64) -> Result<String> {
+    let heading = if !complete {
+        "left at the last"
+    } else if last < ROUNDING {
+        "left rounding"
+    } else {
+        "left"
+    };
+    TEXT.say(heading, values! { modes: modes as usize, last })
 }
 
 /// The stops for a mesh, the last of them all modes where that is cheap.
@@ -307,10 +306,10 @@ impl<'a> Rebuilt<'a> {
     fn tabulate_weyl(&self, table: &mut Table) {
         let modes = &self.modes;
         for &k in &self.stops {
-            let lambda = modes.values[k - 1];
+            let omega = modes.values[k - 1];
             let law = 4.0 * std::f64::consts::PI * (k - 1) as f64 / modes.area();
             let worst = modes.residuals[..k].iter().fold(0.0, |m, r| larger(m, *r));
-            table.push(row![self.name, k, lambda, lambda / law, worst / lambda]);
+            table.push(row![self.name, k, omega, omega / law, worst / omega]);
         }
     }
 
@@ -331,7 +330,7 @@ impl<'a> Rebuilt<'a> {
         }
         outcome.attachments.push(energies(&id, name, mesh, &modes)?);
         for (k, mesh) in stops.iter().zip(meshes) {
-            let about = format!("The {name} from {k} modes.");
+            let about = TEXT.say("mesh", values! { name, k: *k })?;
             outcome.attachments.push(Attachment {
                 name: format!("{id}-{k}.obj"),
                 about: about.clone(),

@@ -7,13 +7,13 @@ use fairing_smoothing::{Diffusion, largest_eigenvalue};
 use fairing_sparse::{larger, smaller};
 use rayon::prelude::*;
 
-use super::models::{self, CREASES, Model};
-use super::over_lambda::{self, Best, DIVERGED, Favourites, OverLambda, SWEPT};
+use super::models::{self, CREASES, DIVERGED, Model};
+use super::over_lambda::{self, Favourites, OverLambda, SWEPT};
 use super::statistics::least;
 use crate::experiment::outcome::Outcome;
 use crate::experiment::text::{Text, values};
 use crate::experiment::{Card, Context, Experiment};
-use crate::model::table::{Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Table, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
 
@@ -58,7 +58,7 @@ impl Experiment for ExplicitFlow {
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        let seen = over_lambda::seen_in_plot(&Favourites::of(&sweep)?);
+        let seen = over_lambda::seen_in_plot(&Favourites::of(&sweep)?)?;
         let caption = TEXT.say("figure sweep", values! { seen, steps: ITERATIONS })?;
         outcome.figures.push(over_lambda::plot(&sweep, over_lambda::EXPLICIT, &caption)?);
         let best = best(context)?;
@@ -68,66 +68,91 @@ impl Experiment for ExplicitFlow {
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        Ok(vec![Found::new(tables)?.judgement()?])
+    }
+}
+
+/// What decides on claim 5a.
+struct Found {
+    /// The best of the four λ by the surface error, on the patch and on the machine part: normals do
+    /// not see a patch shrink.
+    favourites: [f64; 2],
+    swept: Favourites,
+    /// The smallest and the greatest best λ of the generated part by the surface error.
+    best: [f64; 2],
+    /// The F-scores of the creases at the λ of the claim and at the strong one.
+    creases: [f64; 2],
+    /// The least growth of a mesh by the divergent λ.
+    growth: f64,
+    /// The largest of the smallest eigenvalues.
+    eigenvalue: f64,
+}
+
+impl Found {
+    fn new(tables: Tables<'_>) -> Result<Self> {
         let (flows, best) = (tables.get("flows")?, tables.get("best")?);
         let spectra = tables.get("spectra")?;
-        let of = |mesh: &str, lambda: f64, column: &str| {
-            flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
+        let creases = |lambda: f64| {
+            flows.value(&[("mesh", "machine part".into()), ("lambda", lambda.into())], CREASES)
         };
-        let favourites = favourites(flows)?;
-        // By the surface error: normals do not see a patch shrink.
-        let is_best = [favourites[0], favourites[2]].iter().all(|&l| l == CLAIMED);
-        let swept = Favourites::of(tables.get("sweep")?)?;
-        let creases = [of("machine part", CLAIMED, CREASES)?, of("machine part", STRONG, CREASES)?];
-        let loses = creases[1] < creases[0];
-        let [growth, _] = extremes(&spectra.column("growth at 2")?);
-        let deforms = growth > DIVERGED;
-        let [lowest, highest] = extremes(&best.column("best lambda, surface")?);
-        let [least, greatest] = extremes(&best.column("best lambda, normals")?);
-        let [_, largest] = extremes(&spectra.column("smallest eigenvalue")?);
-        let depends = highest > ALIKE * lowest;
-        let verdict = match (is_best && !depends, loses, deforms) {
+        Ok(Self {
+            favourites: [favourite(flows, "patch")?, favourite(flows, "machine part")?],
+            swept: Favourites::of(tables.get("sweep")?)?,
+            best: extremes(&best.column("best lambda, surface")?),
+            creases: [creases(CLAIMED)?, creases(STRONG)?],
+            growth: extremes(&spectra.column("growth at 2")?)[0],
+            eigenvalue: extremes(&spectra.column("smallest eigenvalue")?)[1],
+        })
+    }
+
+    fn verdict(&self) -> Verdict {
+        let is_best = self.favourites.iter().all(|&l| l == CLAIMED) && !self.depends();
+        let loses = self.creases[1] < self.creases[0];
+        match (is_best, loses, self.growth > DIVERGED) {
             (true, true, true) => Verdict::Confirmed,
             (false, false, false) => Verdict::Refuted,
             _ => Verdict::Qualified,
+        }
+    }
+
+    /// Returns true if the best λ of the generated part depends on noise and resolution.
+    fn depends(&self) -> bool {
+        self.best[1] > ALIKE * self.best[0]
+    }
+
+    fn judgement(&self) -> Result<Judgement> {
+        let Self { swept, creases, growth, eigenvalue, .. } = self;
+        let [[patch, part], [lowest, highest]] = [self.favourites, self.best];
+        let depends = TEXT.say(if self.depends() { "depends" } else { "alike" }, &[])?;
+        let favourite = if patch == part { "one favourite" } else { "two favourites" };
+        let deforms = *growth > DIVERGED;
+        let largest = values! {
+            growth: *growth, eigenvalue: *eigenvalue, steps: ITERATIONS, divergent: DIVERGENT,
+            factor: (1.0 + DIVERGENT * eigenvalue).abs(),
         };
-        let about_right = right_about_normals(swept.normals[1])?;
-        let claimed = values! { claimed: CLAIMED };
-        let differs = values! { patch: swept.surface[0].lambda, part: swept.surface[1].lambda };
-        let closest = closest(&favourites, of("patch", STRONG, "area")?)?;
         let values = values! {
-            depends: if depends { SEVERAL } else { "The best λ changes little from mesh to mesh." },
-            swept: swept.words(ITERATIONS), about_right, closest, lowest, highest, least, greatest,
-            steps: ITERATIONS, strong: STRONG, divergent: DIVERGENT, claimed: CLAIMED,
-            loses: if loses { "loses" } else { "does not lose" },
-            creases: creases[1], creases_before: creases[0],
-            largest: at_the_largest(growth, largest)?,
-            best: if is_best {
-                TEXT.say("best is claimed", claimed)?
-            } else {
-                TEXT.say("best differs", differs)?
-            },
+            depends, lowest, highest, steps: ITERATIONS, strong: STRONG, divergent: DIVERGENT,
+            favourite: TEXT.say(favourite, values! { patch, part })?,
+            swept_patch: swept.surface[0].lambda, swept_part: swept.surface[1].lambda,
+            normals_patch: swept.normals[0].lambda, normals_part: swept.normals[1].lambda,
+            loses: if creases[1] < creases[0] { "loses" } else { "does not lose" },
+            claimed: CLAIMED, creases: creases[1], creases_before: creases[0],
+            largest: TEXT.say(if deforms { "unstable" } else { "stable" }, largest)?,
             unstable: if deforms { "every mesh" } else { "some meshes" },
         };
-        Ok(vec![
-            TEXT.judgement("5a", verdict, values)?
-                .shown(Shown::playground("diffusion", &[&2, &5]))
-                .number(
-                    &format!("least growth in {ITERATIONS} steps of λ = {DIVERGENT}"),
-                    growth,
-                    Unit::One,
-                )
-                .number("best of the four on the patch", favourites[0], Unit::One)
-                .number("best of the four on the machine part", favourites[2], Unit::One)
-                .number(
-                    "best λ on the machine part, surface error",
-                    swept.surface[1].lambda,
-                    Unit::One,
-                )
-                .number("the same, normal error", swept.normals[1].lambda, Unit::One)
-                .number("smallest best λ over noise and resolution", lowest, Unit::One)
-                .number("largest", highest, Unit::One)
-                .number(&format!("F-score of the creases at λ = {STRONG}"), creases[1], Unit::One),
-        ])
+        let (surface, normals) = (swept.surface[1].lambda, swept.normals[1].lambda);
+        let growing = format!("least growth in {ITERATIONS} steps of λ = {DIVERGENT}");
+        Ok(TEXT
+            .judgement("5a", self.verdict(), values)?
+            .shown(Shown::playground("diffusion", &[&2, &5]))
+            .number(&growing, *growth, Unit::One)
+            .number("best of the four on the patch", patch, Unit::One)
+            .number("best of the four on the machine part", part, Unit::One)
+            .number("best λ on the machine part, surface error", surface, Unit::One)
+            .number("the same, normal error", normals, Unit::One)
+            .number("smallest best λ over noise and resolution", lowest, Unit::One)
+            .number("largest", highest, Unit::One)
+            .number(&format!("F-score of the creases at λ = {STRONG}"), creases[1], Unit::One))
     }
 }
 
@@ -137,66 +162,18 @@ fn extremes(values: &[f64]) -> [f64; 2] {
     [least, values.iter().copied().fold(f64::NEG_INFINITY, larger)]
 }
 
-/// The effect of the largest step, in words.
-fn at_the_largest(growth: f64, eigenvalue: f64) -> Result<String> {
-    let values = values! {
-        growth, eigenvalue, factor: (1.0 + DIVERGENT * eigenvalue).abs(), steps: ITERATIONS,
-        divergent: DIVERGENT,
-    };
-    TEXT.say(if growth > DIVERGED { "unstable" } else { "stable" }, values)
-}
-
 /// Best steps that differ by no more than this factor are alike.
 const ALIKE: f64 = 1.5;
 
-/// Words for best steps that differ.
-const SEVERAL: &str = "No single λ is best.";
-
-/// A remark if the λ that the report calls best is about the best by normals.
-fn right_about_normals(best: Best) -> Result<String> {
-    let ratio = (best.lambda / CLAIMED).max(CLAIMED / best.lambda);
-    if ratio >= ALIKE {
-        return Ok(String::new());
-    }
-    Ok(format!(" {}", TEXT.say("about right", values! { claimed: CLAIMED })?))
-}
-
-/// A change of area above this is visible, in percent.
-const SEEN: f64 = 5.0;
-
-/// The step among the four that comes closest on the patch and on the machine part, by surface
-/// and by normals.
-fn closest(favourites: &[f64], area: f64) -> Result<String> {
-    let pair = |patch: f64, part: f64| {
-        let [first, second] = [patch, part].map(brief);
-        if patch == part {
-            return format!("λ = {first} on both meshes");
-        }
-        format!("λ = {first} on the patch and λ = {second} on the machine part")
-    };
-    let surfaces = pair(favourites[0], favourites[2]);
-    let normals = pair(favourites[1], favourites[3]);
-    let mut blind = String::new();
-    if favourites[1] == STRONG && area.abs() > SEEN {
-        blind = TEXT.say("blind", values! { strong: STRONG, area })?;
-    }
-    TEXT.say("closest", values! { surfaces, normals, blind })
-}
-
-/// The best of the four λ by surfaces and by normals, on the patch, then on the machine part.
-fn favourites(flows: &Table) -> Result<Vec<f64>> {
-    let mut favourites = vec![];
-    for mesh in ["patch", "machine part"] {
-        for column in ["surface error", "normal error"] {
-            let mut candidates = vec![];
-            for lambda in LAMBDAS {
-                let row = [("mesh", mesh.into()), ("lambda", lambda.into())];
-                candidates.push((flows.value(&row, column)?, lambda));
-            }
-            favourites.push(least(&candidates).context("no steps")?.1);
-        }
-    }
-    Ok(favourites)
+/// The λ of the assignment with the least surface error on a mesh.
+fn favourite(flows: &Table, mesh: &str) -> Result<f64> {
+    let rows = flows.only(&[("mesh", mesh.into())])?;
+    let errors = rows.index("surface error")?;
+    let errors = rows.rows.iter().map(|row| row[errors].number());
+    // A mesh that has diverged has no error, and the input has no λ.
+    let candidates = errors.zip(rows.column("lambda")?).filter(|(_, lambda)| *lambda > 0.0);
+    let candidates: Vec<_> = candidates.filter_map(|(error, l)| Some((error?, l))).collect();
+    Ok(least(&candidates).context("no steps")?.1)
 }
 
 /// Errors over a fine range of λ, up to where open meshes stay stable.
@@ -276,7 +253,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
             ("closed", Unit::Label),
             ("bound below", Unit::One),
             ("smallest eigenvalue", Unit::One),
-            ("bound above", Unit::One),
+            ("below −1 by at least", Unit::One),
             ("stable limit", Unit::One),
             ("growth of the mode", Unit::One),
             ("growth at 2", Unit::One),
@@ -306,7 +283,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
             if closed { "yes" } else { "no" },
             if closed { -1.5 } else { -1.75 },
             mu,
-            -n / (n - 1.0),
+            1.0 / (n - 1.0),
             2.0 / mu.abs(),
             (1.0 + DIVERGENT * mu).abs().powi(ITERATIONS as i32),
             after.diagonal() / model.noisy.diagonal(),

@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::NoiseLevel;
+use fairing_mesh::io::Reader;
 use fairing_shapes as shapes;
 
 use super::restoring::{
@@ -21,7 +22,8 @@ mod methods;
 mod pictures;
 
 use limits::ERRORS;
-use methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK, TEXT};
+use methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK, STRICT, TEXT};
+use pictures::Restored;
 
 pub(super) struct GrowingNoise;
 
@@ -53,30 +55,31 @@ impl Experiment for GrowingNoise {
         ];
         let values = values! {
             lowest, highest, modes: MODES, hopeless: HOPELESS, kept: KEPT, shrunk: SHRUNK,
-            sharp: 2.0 * KEPT, errors: ERRORS, explicit: EXPLICIT.to_string(),
-            implicit: IMPLICIT.to_string(), report_explicit: REPORT_EXPLICIT.to_string(),
-            report_implicit: REPORT_IMPLICIT.to_string(),
+            sharp: 2.0 * KEPT, errors: ERRORS, strict: STRICT,
         };
         TEXT.card(&[Input::Fandisk, Input::Scan], parameters, values)
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let (part, bodies) = bodies(context)?;
-        let model = model(context, &part)?;
-        let sweep = sweep(context, &bodies)?;
-        context.progress(0.7, "resolutions");
+        let detailed = bodies.last().context("no meshes")?;
+        let (mut of_part, mut of_detailed) = (Restored::default(), Restored::default());
+        let model = model(context, &part, &mut of_part)?;
+        let sweep = sweep(context, &bodies, &mut of_detailed)?;
+        context.progress(0.8, "resolutions");
         let resolutions = levels::resolutions(context)?;
         let modes = modes([&part].into_iter().chain(&bodies))?;
         let limits = limits::table(&sweep)?;
-        context.progress(0.85, "pictures");
-        let (levels, levels_view) = pictures::levels(context, &part)?;
-        let (scan, scan_view) = pictures::scan(context, &bodies[2])?;
+        let kept = limits::kept(&sweep)?;
+        context.progress(0.9, "pictures");
+        let (levels, levels_view) = pictures::levels(context, &part, &of_part)?;
+        let (scan, scan_view) = pictures::scan(context, detailed, &of_detailed)?;
         let mut figures = vec![levels];
         let drawn: Vec<&Body> = bodies.iter().chain([&part]).collect();
         figures.extend(pictures::curves(&sweep, &model, &drawn)?);
         figures.push(scan);
         let views = vec![levels_view, scan_view];
-        let tables = vec![model, limits, resolutions, modes, sweep];
+        let tables = vec![kept, model, limits, resolutions, modes, sweep];
         Ok(Outcome { tables, figures, views, ..Outcome::default() })
     }
 
@@ -85,9 +88,12 @@ impl Experiment for GrowingNoise {
     }
 }
 
-/// The machine part, and the meshes of the sweep: one with creases, a smooth one, and one with
-/// details, each under the name of what it is.
-fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
+/// The model with creases of a family on which nothing was trained.
+const BOLT: &[u8] = include_bytes!("../../../../data/bolt.ply");
+
+/// The machine part, and the meshes of the sweep: three with creases, a smooth one, and at last one
+/// with details, each under the name of what it is.
+fn bodies(context: &Context<'_>) -> Result<(Body, Vec<Body>)> {
     // A quick run is to be quick.
     let quick = context.is_quick();
     let part = if quick { shapes::cad_block(0.25) } else { context.mesh(Input::Fandisk)? };
@@ -105,18 +111,24 @@ fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
     };
     let is_scan = name == "bunny";
     let detailed = Body::new(name, detailed)?.with_modes()?;
-    let bodies = [
+    let cube = shapes::cube(context.choose(16, 8), shapes::Diagonals::Alternating);
+    let mut bodies = vec![
         Body::new(coarse, shapes::cad_block(context.choose(0.25, 0.3)))?.with_modes()?.trained_on(),
+        Body::new("divided cube", cube)?.with_modes()?,
         Body::new("torus", shapes::torus(1.0, 0.4, rings[0], rings[1]))?.with_modes()?.trained_on(),
         if is_scan { detailed } else { detailed.trained_on() },
     ];
+    if !quick {
+        let bolt = Reader::default().read_bytes("bolt.ply", BOLT)?.mesh;
+        bodies.insert(2, Body::new("bolt", bolt)?.with_modes()?);
+    }
     let part = Body::new("machine part", part)?.with_modes()?;
     let is_generated = quick || context.is_stand_in(Input::Fandisk);
     Ok((if is_generated { part.trained_on() } else { part }, bodies))
 }
 
 /// Errors of all methods under the levels of the assignment.
-fn model(context: &Context<'_>, part: &Body) -> Result<Table> {
+fn model(context: &Context<'_>, part: &Body, restored: &mut Restored) -> Result<Table> {
     let mut model = table(
         "model",
         &TEXT.say("table model", &[])?,
@@ -132,14 +144,16 @@ fn model(context: &Context<'_>, part: &Body) -> Result<Table> {
         context.progress(0.1 * k as f64, "model units");
         let h = part.truth.mean_edge_length();
         let leading = row![part.name, sigma, sigma / h, sigma / part.truth.diagonal()];
-        let trials = running.trials(context, part, NoiseLevel::Model(sigma))?;
+        let level = NoiseLevel::Model(sigma);
+        let trials = running.trials(context, part, level)?;
         push(&mut model, &leading, &trials, part.truth.face_count());
+        restored.keep(level, trials);
     }
     Ok(model)
 }
 
-/// Errors of all methods over the noise in mean edge lengths.
-fn sweep(context: &Context<'_>, bodies: &[Body; 3]) -> Result<Table> {
+/// Errors of all methods over the noise in mean edge lengths; results on the last mesh are kept.
+fn sweep(context: &Context<'_>, bodies: &[Body], restored: &mut Restored) -> Result<Table> {
     let levels = context.choose(&SWEEP[..], &QUICK);
     let mut sweep = table(
         "sweep",
@@ -150,9 +164,13 @@ fn sweep(context: &Context<'_>, bodies: &[Body; 3]) -> Result<Table> {
         let mut running = Running::all(context);
         for (k, &sigma) in levels.iter().enumerate() {
             let done = (b * levels.len() + k) as f64 / (bodies.len() * levels.len()) as f64;
-            context.progress(0.3 + 0.4 * done, body.name);
-            let trials = running.trials(context, body, NoiseLevel::EdgeLengths(sigma))?;
+            context.progress(0.3 + 0.5 * done, body.name);
+            let level = NoiseLevel::EdgeLengths(sigma);
+            let trials = running.trials(context, body, level)?;
             push(&mut sweep, &row![body.name, sigma], &trials, body.truth.face_count());
+            if b + 1 == bodies.len() {
+                restored.keep(level, trials);
+            }
         }
     }
     Ok(sweep)

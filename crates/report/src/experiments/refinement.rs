@@ -57,6 +57,11 @@ fn levels(context: &Context<'_>) -> std::ops::RangeInclusive<u32> {
     context.choose(2..=5, 2..=4)
 }
 
+/// The seed of the jitter of a mesh.
+pub(super) fn seed(context: &Context<'_>, surface: TestSurface, level: u32) -> u64 {
+    context.seed(&format!("{} {level}", surface.name()))
+}
+
 /// Empty tables of errors and of their orders.
 fn tables() -> Result<[Table; 2]> {
     let errors = Table::new(
@@ -98,8 +103,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
             let mut deviations = vec![vec![]; estimators.len()];
             let mut sizes = vec![];
             for level in levels(context) {
-                let seed = context.seed(&format!("{} {level}", surface.name()));
-                let mesh = surface.mesh(level, sampling, seed);
+                let mesh = surface.mesh(level, sampling, seed(context, surface, level));
                 let mass = lumped_mass(&mesh, LumpedArea::Barycentric)?;
                 let exact: Vec<_> = mesh
                     .positions()

@@ -191,7 +191,8 @@ impl Body {
         Ok(add_noise(&self.truth, NoiseKind::GaussianPerAxis, level, seed)?)
     }
 
-    /// Each method on as many seeds as it is given, from `first` on.
+    /// Each method on as many seeds as it is given, from `first` on; the result of the first seed is
+    /// kept.
     pub(super) fn trials(
         &self,
         level: NoiseLevel,
@@ -203,23 +204,21 @@ impl Body {
             .into_par_iter()
             .map(|k| self.noisy(level, first.wrapping_add(k)))
             .collect::<Result<_>>()?;
-        let pairs: Vec<(Method, &TriMesh)> = methods
+        let pairs: Vec<(Method, usize)> = methods
             .iter()
-            .flat_map(|&(method, seeds)| noisy[..seeds].iter().map(move |mesh| (method, mesh)))
+            .flat_map(|&(method, seeds)| (0..seeds).map(move |k| (method, k)))
             .collect();
-        let scores: Vec<Score> = pairs
+        let scored: Vec<(Score, Option<TriMesh>)> = pairs
             .into_par_iter()
-            .map(|(method, mesh)| self.score(&self.restore(method, mesh)?))
-            .collect::<Result<_>>()?;
-        let mut rest = &scores[..];
-        Ok(methods
-            .iter()
-            .map(|&(method, seeds)| {
-                let (own, others) = rest.split_at(seeds);
-                rest = others;
-                Trials::new(method, own)
+            .map(|(method, k)| {
+                let mesh = self.restore(method, &noisy[k])?;
+                Ok((self.score(&mesh)?, (k == 0).then_some(mesh)))
             })
-            .collect())
+            .collect::<Result<_>>()?;
+        let mut rest = scored.into_iter();
+        let of =
+            |&(method, seeds): &(Method, usize)| Trials::new(method, rest.by_ref().take(seeds));
+        methods.iter().map(of).collect()
     }
 }
 
@@ -249,7 +248,7 @@ pub(super) struct Score {
 }
 
 /// The scores of one method over seeds.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Trials {
     pub(super) method: Method,
     pub(super) seeds: usize,
@@ -257,20 +256,24 @@ pub(super) struct Trials {
     pub(super) distance: Spread,
     pub(super) flipped: Spread,
     pub(super) volume: Option<Spread>,
+    /// The result of the first seed.
+    pub(super) first: TriMesh,
 }
 
 impl Trials {
-    fn new(method: Method, scores: &[Score]) -> Self {
+    fn new(method: Method, scored: impl Iterator<Item = (Score, Option<TriMesh>)>) -> Result<Self> {
+        let (scores, meshes): (Vec<Score>, Vec<Option<TriMesh>>) = scored.unzip();
         let of = |f: fn(&Score) -> f64| Spread::new(scores.iter().map(f));
         let volumes: Option<Vec<f64>> = scores.iter().map(|s| s.volume).collect();
-        Self {
+        Ok(Self {
             method,
             seeds: scores.len(),
             angle: of(|s| s.angle),
             distance: of(|s| s.distance),
             flipped: of(|s| s.flipped),
             volume: volumes.map(|v| Spread::new(v.into_iter())),
-        }
+            first: meshes.into_iter().flatten().next().context("no seeds")?,
+        })
     }
 }
 

@@ -7,7 +7,6 @@ use fairing_sparse::larger;
 
 use super::gallery::FLAT;
 use crate::experiment::text::{Text, values};
-use crate::model::table::brief;
 
 static TEXT: Text = Text::new("seen", include_str!("../../text/seen.md"));
 
@@ -131,24 +130,24 @@ pub(super) fn errors(fields: &[(&str, &[f64])]) -> Result<String> {
 
 /// Errors of several methods, by name, over rising levels: one row for each level.
 pub(super) fn over_levels(rows: &[(String, Vec<f64>)], methods: &[&str]) -> Result<String> {
-    let (Some((first, low)), Some((last, high))) = (rows.first(), rows.last()) else {
-        return Ok(String::new());
-    };
+    let Some((last, errors)) = rows.last() else { return Ok(String::new()) };
     let rising = rows.windows(2).all(|w| w[0].1.iter().zip(&w[1].1).all(|(a, b)| a < b));
-    let ends = methods.iter().zip(low.iter().zip(high));
-    let ends: Vec<String> =
-        ends.map(|(name, (a, b))| format!("{name} {}° and {}°", brief(*a), brief(*b))).collect();
-    let (first, last, ends) = (first.as_str(), last.as_str(), ends.join("; "));
-    TEXT.say(if rising { "levels" } else { "levels mixed" }, values! { first, last, ends })
+    let named: Vec<(&str, f64)> = methods.iter().copied().zip(errors.iter().copied()).collect();
+    let Some([(best, least), (worst, largest)]) = ends(&named) else { return Ok(String::new()) };
+    let values = values! { last: last.as_str(), best, least, worst, largest };
+    TEXT.say(if rising { "levels" } else { "levels mixed" }, values)
+}
+
+/// The methods with the least and the largest error; `None` of none.
+fn ends<'a>(errors: &[(&'a str, f64)]) -> Option<[(&'a str, f64); 2]> {
+    let best = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let worst = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([*best, *worst])
 }
 
 /// The methods with the least and the largest normal error, by name.
 pub(super) fn best_and_worst(errors: &[(&str, f64)]) -> Result<String> {
-    let best = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let worst = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    let (Some(&(best, least)), Some(&(worst, largest))) = (best, worst) else {
-        return Ok(String::new());
-    };
+    let Some([(best, least), (worst, largest)]) = ends(errors) else { return Ok(String::new()) };
     TEXT.say("best and worst", values! { best, least, worst, largest })
 }
 
@@ -227,20 +226,17 @@ mod tests {
         let row = |name: &str, errors: [f64; 2]| (name.to_string(), errors.to_vec());
         let rising = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 30.0])];
         let text = over_levels(&rising, &["x", "y"]).unwrap();
-        assert!(text.ends_with("(at σ = 0.1 and 0.5: x 2° and 20°; y 3° and 30°)."), "{text}");
-        assert!(
-            text.starts_with("From row to row the normal error grows with every method"),
-            "{text}"
-        );
+        let end = "at σ = 0.5 it is smallest after x, 20°, and largest after y, 30°.";
+        assert!(text.ends_with(end), "{text}");
+        assert!(text.starts_with("The normal error grows from row to row"), "{text}");
         let mixed = [row("0.1", [2.0, 3.0]), row("0.5", [20.0, 1.0])];
-        assert!(over_levels(&mixed, &["x", "y"]).unwrap().contains("but not all"));
+        assert!(over_levels(&mixed, &["x", "y"]).unwrap().contains("with most methods"));
     }
 
     #[test]
     fn the_best_and_the_worst_have_their_errors() {
         let text = best_and_worst(&[("x", 2.5), ("y", 1.5), ("z", 9.0)]).unwrap();
-        let expected =
-            "The result of y has the smallest normal error, 1.5°, that of z the largest, 9°.";
+        let expected = "The normal error is smallest after y, 1.5°, and largest after z, 9°.";
         assert_eq!(text, expected);
     }
 

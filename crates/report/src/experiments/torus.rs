@@ -3,7 +3,7 @@
 //! With w = R + r cos v the metric is w² du² + r² dv². Modes are e^(imu) f(v), and f solves
 //!
 //! ```text
-//! −(w f′)′ / r² + m² f / w = λ w f
+//! −(w f′)′ / r² + m² f / w = ω w f
 //! ```
 //!
 //! on the circle. Galerkin with trigonometric polynomials converges geometrically, since all
@@ -39,7 +39,7 @@ fn eigenvalues(major: f64, minor: f64, count: usize) -> Result<Vec<f64>> {
     let points = 8 * DEGREE;
     let options = EigenOptions { dense_rows: size, ..Default::default() };
     let mut all = vec![];
-    // λ ≥ m²/(R + r)²: enough m for as many eigenvalues as are wanted.
+    // ω ≥ m²/(R + r)²: enough m for as many eigenvalues as are wanted.
     for m in 0..count.min(DEGREE) {
         let (mut s, mut b) = (vec![0.0; size * size], vec![0.0; size * size]);
         for p in 0..points {

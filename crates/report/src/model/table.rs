@@ -231,6 +231,27 @@ pub fn brief(x: f64) -> String {
     powered(&format!("{x:.1e}"))
 }
 
+/// An upper bound with two significant digits: rounded up, so that it stays one.
+pub fn brief_above(x: f64) -> String {
+    brief(outwards(x, f64::ceil))
+}
+
+/// A lower bound with two significant digits: rounded down, so that it stays one.
+pub fn brief_below(x: f64) -> String {
+    brief(outwards(x, f64::floor))
+}
+
+/// A number rounded to two significant digits in one direction.
+fn outwards(x: f64, round: fn(f64) -> f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let unit = libm::pow(10.0, libm::log10(x.abs()).floor() - 1.0);
+    // What is on the grid to rounding stays there.
+    let steps = x / unit;
+    if (steps - steps.round()).abs() < 1e-9 { steps.round() * unit } else { round(steps) * unit }
+}
+
 /// `1.5e-4` as people write it: 1.5 × 10⁻⁴.
 fn powered(scientific: &str) -> String {
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((scientific, "0"));
@@ -464,6 +485,13 @@ mod tests {
         for (x, text) in cases {
             assert_eq!(brief(x), text);
         }
+    }
+
+    #[test]
+    fn bounds_are_rounded_outwards() {
+        assert_eq!([brief_below(6.871), brief_above(6.871)], ["6.8", "6.9"]);
+        assert_eq!([brief_below(-1.23), brief_above(-1.23)], ["−1.3", "−1.2"]);
+        assert_eq!([brief_below(0.3), brief_above(0.3)], ["0.3", "0.3"]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::table::{Unit, brief};
+use crate::model::table::{Unit, brief, brief_above, brief_below};
 
 /// The verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,7 +44,8 @@ impl Verdict {
     }
 }
 
-/// A number that decided a verdict.
+/// A number that decided a verdict. It is shown with two digits; one whose name says that it is the
+/// largest or the least of several is a bound, and rounded outwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Deciding {
     /// The measured quantity.
@@ -57,10 +58,26 @@ pub struct Deciding {
 
 impl fmt::Display for Deciding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.name, brief(self.value))?;
+        let has = |words: &[&str]| words.iter().any(|word| self.name.contains(word));
+        type Rounding = (fn(f64) -> String, fn(f64) -> f64);
+        let above = ["largest", "greatest", "highest", "farthest", "worst", "at most"];
+        let (show, round): Rounding = if has(&above) {
+            (brief_above, f64::ceil)
+        } else if has(&["least", "smallest", "lowest"]) {
+            (brief_below, f64::floor)
+        } else {
+            (brief, f64::round)
+        };
+        // Orders near a whole number need their decimals.
+        let value = if self.unit == Unit::Order {
+            format!("{:.2}", round(100.0 * self.value) / 100.0).replace('-', "−")
+        } else {
+            show(self.value)
+        };
+        write!(f, "{} {value}", self.name)?;
         match self.unit {
             Unit::Label | Unit::One | Unit::Count | Unit::Order | Unit::Relative => Ok(()),
-            Unit::Degrees | Unit::Percent => write!(f, "{}", self.unit),
+            Unit::Degrees => write!(f, "{}", self.unit),
             unit => write!(f, " {unit}"),
         }
     }
@@ -168,6 +185,11 @@ impl Judgement {
         Self { id, claim, verdict, reason, finding, numbers: vec![], shown: None, ours: false }
     }
 
+    /// The word for the claim: those of the original report are claims, ours are hypotheses.
+    pub fn kind(&self) -> &'static str {
+        if self.ours { "Hypothesis" } else { "Claim" }
+    }
+
     /// The same, of a claim that is ours.
     #[must_use]
     pub fn ours(self) -> Self {
@@ -191,5 +213,21 @@ impl Judgement {
     pub fn number(mut self, name: &str, value: f64, unit: Unit) -> Self {
         self.numbers.push(Deciding { name: name.into(), value, unit });
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_stay_bounds() {
+        let shown =
+            |name: &str, value, unit| Deciding { name: name.into(), value, unit }.to_string();
+        assert_eq!(shown("least order", 1.9953, Unit::Order), "least order 1.99");
+        assert_eq!(shown("highest order", -0.071, Unit::Order), "highest order −0.07");
+        assert_eq!(shown("least change", 20.96, Unit::Percent), "least change 20 %");
+        assert_eq!(shown("largest error", 0.0111, Unit::EdgeLengths), "largest error 0.012 h");
+        assert_eq!(shown("median ratio", 1.96, Unit::One), "median ratio 2");
     }
 }

@@ -11,6 +11,7 @@ mod layout;
 mod markdown;
 mod notation;
 mod numbers;
+mod prose;
 mod publish;
 mod render;
 mod snippets;
@@ -18,6 +19,5 @@ mod story;
 mod thumbnail;
 
 pub use html::laboratory;
-pub use markdown::{claim_table, summary};
 pub use publish::publish;
 pub use render::render;

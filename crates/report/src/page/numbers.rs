@@ -50,6 +50,27 @@ pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
     own.or_else(|| items.iter().position(is_still))
 }
 
+/// The pictures of a text that has no views, in order: those that are not folded, and the stills of
+/// such views.
+pub(crate) fn pictures(record: &Record) -> Vec<&FigureFile> {
+    let (items, seen) = parts(record);
+    let mut shown: Vec<&FigureFile> = vec![];
+    for item in &items[..seen] {
+        let is_still =
+            |f: &&FigureFile, view: &ViewFile| f.id == view.fallback && is_paper(record, f);
+        let found = match *item {
+            Item::Picture(figure) => Some(figure),
+            Item::View(_, view) => record.figures.iter().find(|figure| is_still(figure, view)),
+            Item::Play(_) => None,
+        };
+        let is_new = |figure: &&FigureFile| shown.iter().all(|other| other.id != figure.id);
+        if let Some(figure) = found.filter(is_new) {
+            shown.push(figure);
+        }
+    }
+    shown
+}
+
 /// The numbered parts of a section in order, and the number of those that are not folded.
 pub(crate) fn parts(record: &Record) -> (Vec<Item<'_>>, usize) {
     let mut all: Vec<Item<'_>> = record.section.playground.iter().map(Item::Play).collect();

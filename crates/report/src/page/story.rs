@@ -1,7 +1,7 @@
-//! Order of the experiments as an article: the title, three acts, and the rules
-//! at the end. Numbers come from the results; none is written here.
+//! Order of the experiments as an article: the title, the rules for a student, and three acts.
+//! Numbers come from the results; none is written here.
 
-use crate::experiment::text::Text;
+use crate::experiment::text::{Text, values};
 use crate::model::results::{Record, Results};
 use crate::model::section;
 use crate::model::verdict::Verdict;
@@ -29,8 +29,36 @@ pub(crate) fn first_playground() -> section::Playground {
 
 /// The subject of the report, and whether generated meshes take the place of the assignment's.
 pub(crate) fn about(results: &Results) -> String {
-    let stand_in = results.experiments.iter().flat_map(|r| &r.inputs).any(|input| input.stand_in);
-    TEXT.words(if stand_in { "about stand-ins" } else { "about" }, &[])
+    let mut about = TEXT.words("about", &[]);
+    if results.experiments.iter().flat_map(|r| &r.inputs).any(|input| input.stand_in) {
+        about = format!("{about} {}", TEXT.words("stand-ins", &[]));
+    }
+    about
+}
+
+/// The forms of the report, and the command that makes them.
+pub(crate) fn forms() -> String {
+    TEXT.words("forms", &[])
+}
+
+/// The meaning of the verdicts.
+pub(crate) fn verdicts() -> String {
+    TEXT.words("verdicts", &[])
+}
+
+/// The lead of the list of meshes.
+pub(crate) fn meshes() -> String {
+    TEXT.words("meshes", &[])
+}
+
+/// The lead of the list of files.
+pub(crate) fn files() -> String {
+    TEXT.words("files", &[])
+}
+
+/// The meshes that take the place of the assignment's, each with the name of that.
+pub(crate) fn replaced(pairs: &str) -> String {
+    TEXT.words("replaced", values! { pairs })
 }
 
 /// A part of the article.
@@ -53,8 +81,7 @@ pub(crate) const ACTS: [Act; 3] = [
 
 /// The number of claims of the original report that hold, in a sentence; empty without claims.
 pub(crate) fn tally(results: &Results) -> String {
-    let order = [Verdict::Refuted, Verdict::Qualified, Verdict::Confirmed, Verdict::Undecided];
-    let counts = order.map(|verdict| (results.judged(verdict).len(), verdict));
+    let counts = VERDICTS.map(|verdict| (results.judged(verdict).len(), verdict));
     let total: usize = counts.iter().map(|(count, _)| count).sum();
     let mut counts = counts.iter().filter(|(count, _)| *count > 0);
     match (total, counts.next()) {
@@ -76,16 +103,6 @@ fn in_words(count: usize) -> String {
         "eleven", "twelve",
     ];
     WORDS.get(count).map_or_else(|| count.to_string(), ToString::to_string)
-}
-
-/// The lessons for a student: the first sentence of each rule, as one line; empty without rules.
-pub(crate) fn lessons(results: &Results) -> String {
-    let mut text = rules(results).iter().map(|rule| rule.lesson()).collect::<Vec<_>>().join("; ");
-    // Letters of formulas are not capitals: only the first of each lesson is.
-    if let Some(first) = text.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
-    text
 }
 
 impl Act {
@@ -122,24 +139,11 @@ impl Rule {
     pub(crate) fn text(&self) -> String {
         TEXT.words(&format!("rule {}", self.claim), &[])
     }
-
-    /// Its first sentence, to go into a list.
-    fn lesson(&self) -> String {
-        let text = self.text();
-        let first = text.split(". ").next().unwrap_or_default().trim_end_matches('.');
-        let mut letters = first.chars();
-        let begin = letters.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
-        begin + letters.as_str()
-    }
 }
 
-/// Verdicts, each with the sentence for its claims.
-pub(crate) const GROUPS: [(Verdict, &str); 4] = [
-    (Verdict::Confirmed, "Right"),
-    (Verdict::Qualified, "Half right"),
-    (Verdict::Refuted, "Wrong"),
-    (Verdict::Undecided, "Undecided"),
-];
+/// The verdicts in the order in which they are counted.
+pub(crate) const VERDICTS: [Verdict; 4] =
+    [Verdict::Refuted, Verdict::Qualified, Verdict::Confirmed, Verdict::Undecided];
 
 /// Advice to the student.
 const RULES: [Rule; 6] = [
@@ -178,28 +182,32 @@ mod tests {
     #[test]
     fn every_text_has_its_words() {
         let opening = [idea(), question(), first_playground().caption];
+        let opening = opening.into_iter().chain([
+            forms(),
+            verdicts(),
+            meshes(),
+            files(),
+            replaced("a for b"),
+        ]);
         let acts = ACTS.iter().map(Act::about);
         let rules = RULES.iter().map(Rule::text);
         let methods = crate::experiments::ALL.iter().map(|experiment| experiment.card().method);
-        for words in opening.into_iter().chain(acts).chain(rules).chain(methods) {
+        for words in opening.chain(acts).chain(rules).chain(methods) {
             assert!(!words.is_empty() && !words.contains('{'), "{words}");
         }
     }
 
     #[test]
-    fn the_opening_counts_the_claims_and_says_what_to_remember() {
+    fn the_opening_counts_the_claims_and_rules_follow_from_them() {
         let none = results(&[]);
-        assert_eq!((tally(&none), lessons(&none)), (String::new(), String::new()));
+        assert_eq!((tally(&none), rules(&none).len()), (String::new(), 0));
         let one = results(&[("4a", Verdict::Confirmed)]);
         assert_eq!(tally(&one), "Its one claim is right.");
         let some =
             [("2a", Verdict::Refuted), ("5a", Verdict::Qualified), ("7a", Verdict::Qualified)];
         let some = results(&some);
         assert_eq!(tally(&some), "Of its three claims one is wrong, two half right.");
-        assert_eq!(
-            lessons(&some),
-            "Check a formula at the point where it is used; keep λ below 2/|μ| of the roughest mode; \
-             measure noise and features in edge lengths"
-        );
+        let claims: Vec<&str> = rules(&some).iter().map(|rule| rule.claim).collect();
+        assert_eq!(claims, ["2a", "5a", "7a"]);
     }
 }

@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 
 use crate::run::plan::{Plan, measure, reproduce};
-use crate::run::{data, readme, reference};
+use crate::run::{data, reference};
 
 /// Runs the experiments, writes the report, and generates the data
 #[derive(Debug, Parser)]
@@ -159,9 +159,7 @@ impl Reproduce {
             None => measure(experiments::ALL, &self.plan(None, Path::new("")))?,
         };
         if self.accept {
-            if publish {
-                readme::update(&root(), &results)?;
-            } else {
+            if !publish {
                 reference::accept(&root(), &results)?;
             }
             println!(

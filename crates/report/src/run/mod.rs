@@ -7,7 +7,6 @@ mod data;
 mod place;
 mod plan;
 pub mod provenance;
-mod readme;
 pub mod reference;
 pub mod runner;
 

@@ -145,9 +145,9 @@ pub enum FlowFailure {
     /// Two neighbours coincide, but the weights divide by the length of their edge.
     #[error("the edge from vertex {vertex} to vertex {neighbor} has zero length")]
     NoLength {
-        /// One end.
+        /// One end of the edge.
         vertex: u32,
-        /// The other.
+        /// The other end.
         neighbor: u32,
     },
     /// A linear system was not solved to the tolerance.
@@ -163,7 +163,7 @@ pub enum FlowFailure {
         /// The vertex with the largest residual.
         vertex: u32,
     },
-    /// One vertex is the neighbour of so many vertices of a region that its matrix would be dense.
+    /// A vertex has so many neighbours in a region that the matrix of the region would be dense.
     #[error(
         "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: \
          choose fewer, or order 1"

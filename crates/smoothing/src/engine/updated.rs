@@ -66,7 +66,7 @@ pub(crate) fn advance_updated(
 /// State of a flow with an updated operator.
 struct Updated {
     diffusion: Diffusion,
-    /// For a stiffness that is updated too.
+    /// The assembler of a stiffness that is updated, too.
     assembler: Option<Assembler>,
     steps: ImplicitSteps,
     /// Areas of the faces of the input, and their sum.

@@ -33,7 +33,7 @@ fairing_parameters::options! {
         /// The treatment of steps beyond the stable limit.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 on closed meshes",
+    "explicit": "small steps x + λLx, stable up to λ = 4/3 on closed meshes; strong noise on smooth shapes",
         ["taubin1995", "desbrun1999"];
     then |options, values| {
         // The default for uniform weights is beyond the stable limit for cotangents.

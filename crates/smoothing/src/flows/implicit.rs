@@ -39,7 +39,7 @@ fairing_parameters::options! {
     "implicit": "steps (I − λL)x' = x of any length; always stable, always shrinks", ["desbrun1999"],
         with Self::DEFAULT,
         if |options| options.update != Update::Both;
-    "mean-curvature": "implicit steps with an updated operator: motion by mean curvature",
+    "mean-curvature": "implicit steps, the operator reassembled in each: motion by mean curvature",
         ["desbrun1999"],
         without ["weights", "update"],
         with Self::mean_curvature_flow(1.0),

@@ -124,7 +124,7 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "low-pass": "a heat or Butterworth filter of the cotangent spectrum, in physical units",
+    "low-pass": "filters the cotangent spectrum in units of the file; strong noise on smooth shapes (--modes)",
         ["vallet2008"],
         without [SOFT];
     then |options, values| check_areas(options.kind, options.area, values);

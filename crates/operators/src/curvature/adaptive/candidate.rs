@@ -240,9 +240,9 @@ impl Candidates {
 /// The variance of the noise at a vertex, in squared local units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
-    /// For jets: the variance of heights.
+    /// The variance of heights, for jets.
     pub(super) heights: f64,
-    /// For measures, which irregular faces and second-order terms make larger.
+    /// The variance for measures, larger by irregular faces and second-order terms.
     pub(super) measures: f64,
 }
 

@@ -12,11 +12,11 @@ const MAX_NEIGHBORS: usize = 1200;
 /// The reach of candidates: the number of radii that are left out, from the largest on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// All.
+    /// All candidates.
     Wide = 0,
-    /// Those for meshes without noise.
+    /// Candidates for meshes without noise.
     Narrow = 2,
-    /// Those that show the noise, the residual of a jet included.
+    /// Candidates that show the noise, the residual of a jet included.
     Sample = 3,
 }
 

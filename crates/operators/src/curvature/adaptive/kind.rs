@@ -12,8 +12,8 @@ pub enum NoiseKind {
 }
 
 fairing_parameters::choices!(NoiseKind, "kind of noise",
-    Independent: "independent", "Each vertex by itself";
-    Correlated: "correlated", "Neighbours alike, as the waves of some scanners";
+    Independent: "independent", "Independent from vertex to vertex";
+    Correlated: "correlated", "Similar at neighbours, as the waves of some scanners";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(NoiseKind);

@@ -85,7 +85,7 @@ fairing_parameters::options! {
         /// The relation between the noise of neighbouring vertices.
         pub noise: NoiseKind = NoiseKind::Independent;
     }
-    "adaptive": "recommended: finds its own scale, and says how far to trust it",
+    "adaptive": "recommended: chooses its scale at each vertex, and gives standard errors",
         ["lachaud2020", "cazals2005"];
 }
 

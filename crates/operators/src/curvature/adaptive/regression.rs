@@ -39,7 +39,7 @@ pub(super) const MEANS: usize = RADII.len() - 1;
 /// Values at the centre, in local units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fits {
-    /// Those of one ring without the smear, then those of each radius.
+    /// Regressions over one ring without the smear, then over each radius.
     pub(super) regressions: [Option<[f64; 4]>; 1 + RADII.len()],
     /// The means of each radius but the first.
     pub(super) means: [Option<[f64; 4]>; MEANS],

@@ -18,8 +18,8 @@ const ORDER_OF_MEANS: i32 = 2;
 /// The least part of the surroundings in which a difference is known.
 const MIN_PART: f32 = 0.05;
 
-/// One if the candidate counts, then for H and for K: the squared difference from the next
-/// smaller radius less its variance, and those from all smaller radii less three variances.
+/// Values of a candidate: 1 if it counts; then for H and for K the squared difference from the next
+/// smaller radius minus its variance, and those from all smaller radii minus three variances.
 const FIELDS: usize = 16;
 const OF_QUANTITY: usize = 7;
 

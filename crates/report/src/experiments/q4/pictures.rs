@@ -57,7 +57,7 @@ pub(super) fn picture(
     )
 }
 
-/// The figure of the original report that shows the same, as a sentence; it has no bumpy ball.
+/// The figure of the original report that shows the same, in parentheses; it has no bumpy ball.
 fn counterpart(name: &str) -> Result<String> {
     if name == BALL {
         return Ok(String::new());
@@ -97,7 +97,7 @@ pub(super) fn modes_picture(
         (true, Some(first), Some(last)) => {
             TEXT.say("modes rise", values! { first: *first, last: *last })?
         }
-        _ => "Each mode divides the surface in its own way.".into(),
+        _ => TEXT.say("modes differ", &[])?,
     };
     let options =
         ScaleOptions { limits: Limits::Fixed { low: -1.0, high: 1.0 }, ..ScaleOptions::SIGNED };
@@ -180,7 +180,7 @@ pub(super) fn decay(curves: Vec<Series>) -> Result<Picture> {
     let mut figure = Figure::default();
     let mut words = String::new();
     if let Some([least, most]) = extremes(&plot.series) {
-        words = TEXT.say("extremes", values! { modes: COMPARED, least, most })? + " ";
+        words = format!(" {}", TEXT.say("extremes", values! { modes: COMPARED, least, most })?);
     }
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
     figure.panels.push(FigurePanel::drawing(plot.draw(560.0, 240.0)?));

@@ -2,4 +2,4 @@
 
 use crate::experiment::text::Text;
 
-pub(super) static TEXT: Text = Text::new("q4", include_str!("../../../text/q4.md"));
+pub(in crate::experiments) static TEXT: Text = Text::new("q4", include_str!("../../../text/q4.md"));

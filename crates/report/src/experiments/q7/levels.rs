@@ -1,17 +1,16 @@
 //! The levels of the assignment, in model units and relative to the size of the faces.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 use fairing_sparse::{larger, smaller};
 
-use super::methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK, TEXT};
+use super::methods::{ASSIGNMENT, KEPT, SHRUNK, TEXT};
 use crate::experiment::Context;
 use crate::experiment::text::values;
 use crate::experiments::restoring::{Body, Method, Trials};
 use crate::experiments::seen;
-use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::model::table::{Cell, Table, Tables, Tolerance, Unit, brief, brief_above, brief_below};
 use crate::model::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::row;
 
@@ -21,16 +20,10 @@ const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
 /// The same for a quick run.
 const QUICK: [f64; 3] = [0.3, 0.25, 0.2];
 
-/// The methods that are run at each resolution: the flows, and for comparison the best filter
-/// without creases and the best denoiser at high noise.
-const COMPARED: [Method; 6] = [
-    Method::FLOWS[0],
-    Method::FLOWS[1],
-    Method::FLOWS[2],
-    Method::FLOWS[3],
-    Method::Taubin,
-    Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
-];
+/// The methods that are run at each resolution: the flows, and for comparison a filter that keeps
+/// the volume.
+const COMPARED: [Method; 5] =
+    [Method::FLOWS[0], Method::FLOWS[1], Method::FLOWS[2], Method::FLOWS[3], Method::Taubin];
 
 /// Returns true if a shape is kept.
 fn is_kept(angle: f64, volume: Option<f64>) -> bool {
@@ -55,7 +48,6 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             (COMPARED[2].name(), Unit::Degrees),
             (COMPARED[3].name(), Unit::Degrees),
             (COMPARED[4].name(), Unit::Degrees),
-            (COMPARED[5].name(), Unit::Degrees),
             ("standard error", Unit::Degrees),
             ("kept by", Unit::Label),
         ],
@@ -65,8 +57,8 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
         "seeds",
         "diagonal",
         "standard error",
+        COMPARED[1].name(),
         COMPARED[2].name(),
-        COMPARED[3].name(),
         COMPARED[4].name(),
     ]);
     for method in COMPARED {
@@ -117,8 +109,8 @@ struct Level {
     flows: Vec<f64>,
     /// Number of them that keep the shape.
     kept: usize,
-    /// The smallest normal error of all other methods, the trained one aside.
-    others: f64,
+    /// The loss of volume by the implicit steps of the original report, in per cent.
+    lost: f64,
 }
 
 impl Level {
@@ -132,41 +124,25 @@ impl Level {
             kept += usize::from(is_kept(angle, value(method, "volume").ok()));
             flows.push(angle);
         }
-        let others = METHODS
-            .iter()
-            .map(|m| m.0)
-            .filter(|m| *m != Method::Nothing && !Method::FLOWS.contains(m) && !m.is_trained());
-        // Some are not run at high noise.
-        let others =
-            others.filter_map(|m| value(m, "normal error").ok()).fold(f64::INFINITY, smaller);
-        Ok(Self { share: rows.column("σ/h")?[0], flows, kept, others })
+        let lost = -value(Method::ReportImplicit, "volume")?;
+        Ok(Self { share: rows.column("σ/h")?[0], flows, kept, lost })
     }
 }
 
-/// Effect of a flow at one level on the block, where it depends on the size of the faces.
-struct Dependence {
-    sigma: f64,
-    flow: &'static str,
-    /// The σ/h at which it keeps the shape.
-    kept: Vec<f64>,
-}
-
-/// The flows and levels that are kept at one resolution and lost at another.
-fn depending(resolution: &Table) -> Result<Vec<Dependence>> {
+/// The level of each flow that keeps the block at one resolution of it and not at another.
+fn depending(resolution: &Table) -> Result<Vec<f64>> {
     let column = resolution.index("kept by")?;
     let mut found = vec![];
     for sigma in ASSIGNMENT {
         let rows = resolution.only(&[("σ", sigma.into())])?;
-        let shares = rows.column("σ/h")?;
         for flow in Method::FLOWS.map(Method::name) {
             let keeps = |row: &Vec<Cell>| match &row[column] {
                 Cell::Text(t) => t == "all" || t.split("; ").any(|name| name == flow),
                 _ => false,
             };
-            let kept: Vec<f64> =
-                rows.rows.iter().zip(&shares).filter(|(r, _)| keeps(r)).map(|(_, s)| *s).collect();
-            if !kept.is_empty() && kept.len() < shares.len() {
-                found.push(Dependence { sigma, flow, kept });
+            let kept = rows.rows.iter().filter(|row| keeps(row)).count();
+            if (1..rows.rows.len()).contains(&kept) {
+                found.push(sigma);
             }
         }
     }
@@ -174,44 +150,58 @@ fn depending(resolution: &Table) -> Result<Vec<Dependence>> {
 }
 
 /// The explicit flow on the coarsest faces at the lowest level, and on those finer ones where it
-/// does best: σ/h, the diagonal over h, and the normal error of each.
-fn coarse_and_best(resolution: &Table) -> Result<[[f64; 3]; 2]> {
+/// does best: σ/h and the normal error of each.
+fn coarse_and_best(resolution: &Table) -> Result<[[f64; 2]; 2]> {
     let rows = resolution.only(&[("σ", ASSIGNMENT[0].into())])?;
-    let (shares, sizes) = (rows.column("σ/h")?, rows.column("diagonal")?);
-    let errors = rows.column(Method::Explicit.name())?;
-    let all: Vec<[f64; 3]> =
-        shares.iter().zip(&sizes).zip(&errors).map(|((a, b), c)| [*a, *b, *c]).collect();
+    let (shares, errors) = (rows.column("σ/h")?, rows.column(Method::Explicit.name())?);
+    let all: Vec<[f64; 2]> = shares.iter().zip(&errors).map(|(a, b)| [*a, *b]).collect();
     let coarse = all.iter().min_by(|a, b| a[0].total_cmp(&b[0])).context("no resolutions")?;
-    let best = all.iter().min_by(|a, b| a[2].total_cmp(&b[2])).context("no resolutions")?;
+    let best = all.iter().min_by(|a, b| a[1].total_cmp(&b[1])).context("no resolutions")?;
     Ok([*coarse, *best])
 }
 
 /// A sentence on the size of features, if more noise for each edge leaves less error; empty
 /// otherwise.
-fn features([coarse, best]: [[f64; 3]; 2]) -> Result<String> {
+fn features([coarse, best]: [[f64; 2]; 2]) -> Result<String> {
     if best[0] <= coarse[0] {
         return Ok(String::new());
     }
     let values = values! {
-        sigma: ASSIGNMENT[0], coarse_error: coarse[2], coarse_share: coarse[0],
-        best_error: best[2], best_share: best[0], coarse_edges: coarse[1].round(),
-        best_edges: best[1].round(),
+        sigma: ASSIGNMENT[0], coarse_error: coarse[1], coarse_share: coarse[0],
+        best_error: best[1], best_share: best[0],
     };
-    Ok(format!(" {}", TEXT.say("features", values)?))
+    TEXT.say("features", values)
 }
 
 /// Flows that depend on the size of the faces, as a sentence.
-fn resolved(depends: &[Dependence]) -> Result<String> {
-    let Some(first) = depends.first() else {
-        return Ok("no level is kept at one size and lost at another".into());
-    };
+fn resolved(depends: &[f64], h: &[f64]) -> Result<String> {
+    let coarse = h.iter().copied().fold(0.0, larger);
+    let fine = h.iter().copied().fold(f64::INFINITY, smaller);
     let counts = ASSIGNMENT.map(|sigma| {
-        let flows = depends.iter().filter(|d| d.sigma == sigma).count();
-        format!("{flows} at σ = {}", brief(sigma))
+        let flows = depends.iter().filter(|level| **level == sigma).count();
+        TEXT.say("flows at a level", values! { flows, sigma })
     });
-    let (counts, kept) = (counts.join(", "), list(&first.kept));
-    TEXT.say("resolved", values! { counts, flow: first.flow, sigma: first.sigma, kept })
+    let counts = seen::list(&counts.into_iter().collect::<Result<Vec<_>>>()?);
+    let values = values! { counts, sizes: h.len() / ASSIGNMENT.len(), coarse, fine };
+    TEXT.say(if depends.is_empty() { "resolved nowhere" } else { "resolved" }, values)
 }
+
+/// Errors of a flow at all levels that hardly differ, as a sentence; empty if they do.
+fn indifferent(levels: &[Level]) -> Result<String> {
+    let Some(flow) = Method::FLOWS.iter().position(|m| *m == Method::ReportImplicit) else {
+        return Ok(String::new());
+    };
+    let errors: Vec<f64> = levels.iter().map(|level| level.flows[flow]).collect();
+    let least = errors.iter().copied().fold(f64::INFINITY, smaller);
+    if errors.iter().any(|error| *error > INDIFFERENT * least) {
+        return Ok(String::new());
+    }
+    let errors: Vec<String> = errors.iter().map(|error| format!("{error:.1}")).collect();
+    TEXT.say("indifferent", values! { errors: seen::list(&errors), shrunk: levels[0].lost })
+}
+
+/// Errors at all levels that differ by no more than this factor are nearly the same.
+const INDIFFERENT: f64 = 1.2;
 
 fn list(values: &[f64]) -> String {
     seen::list(&values.iter().map(|x| brief(*x)).collect::<Vec<_>>())
@@ -230,27 +220,25 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         ([0, 0, c], _) if *c == all => Verdict::Refuted,
         _ => Verdict::Qualified,
     };
-    let h = resolution.column("h")?;
-    let (coarse, fine) =
-        (h.iter().copied().fold(0.0, larger), h.iter().copied().fold(f64::INFINITY, smaller));
     let each = |value: &dyn Fn(&Level) -> String| {
         seen::list(&levels.iter().map(value).collect::<Vec<_>>())
     };
     let spread = |l: &Level| {
         let least = l.flows.iter().copied().fold(f64::INFINITY, smaller);
         let most = l.flows.iter().copied().fold(0.0, larger);
-        format!("{} to {}°", brief(least), brief(most))
+        format!("{} to {}°", brief_below(least), brief_above(most))
     };
+    let bullets = [
+        indifferent(&levels)?,
+        features(coarse_and_best(resolution)?)?,
+        resolved(&depends, &resolution.column("h")?)?,
+    ];
+    let bullets = bullets.iter().filter(|bullet| !bullet.is_empty());
     let values = values! {
         shares: list(&levels.iter().map(|l| l.share).collect::<Vec<_>>()),
-        report_explicit: Method::ReportExplicit.name(),
-        report_implicit: Method::ReportImplicit.name(),
-        explicit: Method::Explicit.name(), implicit: Method::Implicit.name(),
         spread: each(&spread), all, keep: each(&|l| l.kept.to_string()),
         kept: KEPT, shrunk: SHRUNK,
-        others: list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
-        sizes: h.len() / ASSIGNMENT.len(), coarse, fine, resolved: resolved(&depends)?,
-        features: features(coarse_and_best(resolution)?)?,
+        others: bullets.map(|bullet| format!("\n\n- {bullet}")).collect::<String>(),
     };
     let judgement = TEXT
         .judgement("7a", verdict, values)?
@@ -301,7 +289,6 @@ mod tests {
                 ("h", Unit::Length),
                 ("σ", Unit::Length),
                 ("σ/h", Unit::EdgeLengths),
-                ("diagonal", Unit::EdgeLengths),
                 ("explicit", Unit::Degrees),
                 ("kept by", Unit::Label),
             ],
@@ -312,7 +299,7 @@ mod tests {
             }
             model.push(row![sigma, sigma, Method::Taubin.name(), 1.0, 0.0]);
             for (h, kept) in [1.0, 0.1].into_iter().zip(kept[k]) {
-                resolution.push(row![h, sigma, sigma / h, 10.0 / h, angles[k][0] * h, kept]);
+                resolution.push(row![h, sigma, sigma / h, angles[k][0] * h, kept]);
             }
         }
         [model, resolution]
@@ -338,9 +325,9 @@ mod tests {
     /// Finer faces have more noise for each edge and more edges for each feature.
     #[test]
     fn features_are_mentioned_where_they_count() {
-        let text = features([[0.2, 16.0, 22.0], [0.8, 80.0, 9.0]]).unwrap();
-        assert!(text.contains("22° at 0.2 h and 9° at 0.8 h"), "{text}");
-        assert!(features([[0.2, 16.0, 5.0], [0.2, 16.0, 5.0]]).unwrap().is_empty());
+        let text = features([[0.2, 22.0], [0.8, 9.0]]).unwrap();
+        assert!(text.contains("22° on the coarsest faces (0.2 h)"), "{text}");
+        assert!(features([[0.2, 5.0]; 2]).unwrap().is_empty());
     }
 
     #[test]

@@ -1,13 +1,15 @@
 //! The range of noise in which each method helps.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result};
 
-use super::methods::{KEPT, METHODS, SHRUNK, TEXT};
+use super::methods::{KEPT, METHODS, SHRUNK, STRICT, TEXT};
 use crate::experiment::text::values;
 use crate::experiments::restoring::Method;
-use crate::model::table::{Table as Results, Tables, Tolerance, Unit, brief};
+use crate::experiments::seen;
+use crate::model::table::{Table as Results, Tables, Tolerance, Unit};
 use crate::model::verdict::{Judgement, Shown, Verdict};
 use crate::row;
 
@@ -44,7 +46,7 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
     for mesh in sweep.labels("mesh")? {
         let mesh = mesh.as_str();
         let rows = sweep.only(&[("mesh", mesh.into())])?;
-        let of = |method: &str| Errors::new(&rows.only(&[("method", method.into())])?);
+        let of = |method: &str| Errors::new(&rows.only(&[("method", method.into())])?, SHRUNK);
         let input = of(Method::Nothing.name())?;
         let mut best: Option<Errors> = None;
         for (method, _) in &METHODS[1..] {
@@ -64,7 +66,7 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
 #[derive(Debug, Clone)]
 struct Errors {
     levels: Vec<f64>,
-    /// Where more of the volume is lost than [`SHRUNK`], a right angle.
+    /// Where more of the volume is lost than allowed, a right angle.
     angles: Vec<f64>,
     /// Standard errors of the angles.
     uncertain: Vec<f64>,
@@ -72,7 +74,8 @@ struct Errors {
 }
 
 impl Errors {
-    fn new(rows: &Results) -> Result<Self> {
+    /// Those of a method, of whose results a shape may lose so much of its volume, in per cent.
+    fn new(rows: &Results, shrunk: f64) -> Result<Self> {
         let optional = |column: &str| -> Result<Vec<Option<f64>>> {
             let c = rows.index(column)?;
             Ok(rows.rows.iter().map(|row| row[c].number()).collect())
@@ -80,7 +83,7 @@ impl Errors {
         let (angles, volumes) = (rows.column("normal error")?, optional("volume")?);
         let (spread, seeds) = (optional("± normal error")?, rows.column("seeds")?);
         let kept = |(angle, volume): (f64, Option<f64>)| match volume {
-            Some(v) if v <= -SHRUNK => angle.max(90.0),
+            Some(v) if v <= -shrunk => angle.max(90.0),
             _ => angle,
         };
         Ok(Self {
@@ -135,24 +138,114 @@ fn helps(levels: &[f64], error: &[f64], input: &[f64]) -> (Option<f64>, Option<f
     (Some(levels[first]), end)
 }
 
-/// The limits of one method on one mesh: that of its group which keeps the shape longest.
+/// The limit of the method of a group that keeps a mesh longest.
 #[derive(Debug, Clone, Copy)]
 struct Limit {
+    method: &'static str,
     kept: f64,
     low: f64,
     high: f64,
 }
 
 impl Limit {
-    /// The limit and its range: `up to 0.5 h (0.4 to 0.6 h)`.
-    fn words(self) -> String {
-        let range = format!("({} to {} h)", brief(self.low), brief(self.high));
-        match self.kept {
-            0.0 => format!("at no level {range}"),
-            kept if kept.is_finite() => format!("up to {} h {range}", brief(kept)),
-            _ => format!("at all levels {range}"),
+    /// That of the methods that are wanted, if a shape may lose so much of its volume.
+    fn of(
+        sweep: &Results,
+        mesh: &str,
+        shrunk: f64,
+        wanted: impl Fn(Method) -> bool,
+    ) -> Result<Self> {
+        let rows = sweep.only(&[("mesh", mesh.into())])?;
+        let mut most = Self { method: "none", kept: 0.0, low: 0.0, high: 0.0 };
+        for (method, _) in METHODS.iter().filter(|m| m.0 != Method::Nothing && wanted(m.0)) {
+            let own = Errors::new(&rows.only(&[("method", method.name().into())])?, shrunk)?;
+            let [kept, low, high] = [0.0, ERRORS, -ERRORS].map(|off| own.limit(off));
+            if kept > most.kept {
+                (most.method, most.kept) = (method.name(), kept);
+            }
+            most.low = most.low.max(low);
+            most.high = most.high.max(high);
+        }
+        Ok(most)
+    }
+
+    /// The limits of flows and filters without creases, and of published denoisers.
+    fn pair(sweep: &Results, mesh: &str, shrunk: f64) -> Result<[Self; 2]> {
+        let flows = Self::of(sweep, mesh, shrunk, Method::is_linear)?;
+        Ok([flows, Self::of(sweep, mesh, shrunk, is_published)?])
+    }
+}
+
+/// The best flow and the best denoiser on each mesh, with the noise up to which they keep it.
+pub(super) fn kept(sweep: &Results) -> Result<Results> {
+    let labels = ["flow or filter", "denoiser"];
+    let limits = [
+        "flow: up to",
+        "flow, strictly: up to",
+        "denoiser: up to",
+        "automatic: up to",
+        "denoiser better up to",
+    ];
+    let mut table = Results::new(
+        "kept",
+        &TEXT.say("table kept", values! { kept: KEPT, shrunk: SHRUNK, strict: STRICT })?,
+        &[
+            ("mesh", Unit::Label),
+            (labels[0], Unit::Label),
+            (limits[0], Unit::EdgeLengths),
+            (limits[1], Unit::EdgeLengths),
+            (labels[1], Unit::Label),
+            (limits[2], Unit::EdgeLengths),
+            (limits[3], Unit::EdgeLengths),
+            (limits[4], Unit::EdgeLengths),
+        ],
+    )
+    .aside(&[labels[1]]);
+    // Two methods may be equally good, and errors move by two per cent.
+    for label in labels {
+        table = table.tolerance(label, None);
+    }
+    for limit in limits {
+        table = table.tolerance(limit, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
+    }
+    for mesh in sweep.labels("mesh")? {
+        let [flow, denoiser] = Limit::pair(sweep, &mesh, SHRUNK)?;
+        let trained = Limit::of(sweep, &mesh, SHRUNK, Method::is_trained)?;
+        let [strict, _] = Limit::pair(sweep, &mesh, STRICT)?;
+        let better = better_up_to(sweep, &mesh)?;
+        table.push(row![
+            mesh,
+            flow.method,
+            flow.kept,
+            strict.kept,
+            denoiser.method,
+            denoiser.kept,
+            trained.kept,
+            better,
+        ]);
+    }
+    Ok(table)
+}
+
+/// The level up to which the best published denoiser leaves a smaller normal error than the best
+/// flow; zero if it never does.
+fn better_up_to(sweep: &Results, mesh: &str) -> Result<f64> {
+    let rows = sweep.only(&[("mesh", mesh.into())])?;
+    let mut best: BTreeMap<String, (f64, [f64; 2])> = BTreeMap::new();
+    for (method, _) in METHODS {
+        if !method.is_linear() && !is_published(method) {
+            continue;
+        }
+        let own = rows.only(&[("method", method.name().into())])?;
+        for (level, error) in own.column("σ/h")?.into_iter().zip(own.column("normal error")?) {
+            // Levels are below ten, and have the order of their texts.
+            let entry = best.entry(format!("{level:.4}")).or_insert((level, [f64::INFINITY; 2]));
+            let least = &mut entry.1[usize::from(is_published(method))];
+            *least = least.min(error);
         }
     }
+    let better = best.values().take_while(|(_, [flow, denoiser])| denoiser < flow);
+    Ok(better.last().map_or(0.0, |(level, _)| *level))
 }
 
 /// Orders two limits.
@@ -168,74 +261,65 @@ fn compare(a: Limit, b: Limit) -> Option<Ordering> {
 }
 
 /// Judges the claim that published denoisers keep shapes at more noise than flows. The trained one
-/// has no say, but its limits are given.
+/// has no say.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
-    let limits = tables.get("limits")?;
-    let limit = |mesh: &str, wanted: &dyn Fn(Method) -> bool| -> Result<Limit> {
-        let mut most = Limit { kept: 0.0, low: 0.0, high: 0.0 };
-        for (method, _) in METHODS.iter().filter(|m| m.0 != Method::Nothing && wanted(m.0)) {
-            let of = |column: &str| {
-                limits.value(&[("mesh", mesh.into()), ("method", method.name().into())], column)
-            };
-            most.kept = most.kept.max(of("kept up to")?);
-            most.low = most.low.max(of("at least")?);
-            most.high = most.high.max(of("at most")?);
-        }
-        Ok(most)
-    };
-    let (mut found, mut sentences, mut numbers) = (vec![], vec![], vec![]);
-    for mesh in limits.labels("mesh")? {
-        let mesh = mesh.as_str();
-        let flows = limit(mesh, &Method::is_linear)?;
-        let denoisers = limit(mesh, &|m| !m.is_linear() && !m.is_trained())?;
-        let trained = limit(mesh, &Method::is_trained)?;
-        let order = compare(denoisers, flows);
-        let words = match order {
-            Some(Ordering::Greater) => "denoisers go further",
-            Some(_) => "flows go further",
-            None => "there is no measurable difference",
-        };
-        let [flow, denoiser, trained] = [flows, denoisers, trained].map(Limit::words);
-        let values = values! { mesh, flows: flow, denoisers: denoiser, order: words, trained };
-        sentences.push(TEXT.say("on a mesh", values)?);
-        found.push(order);
-        numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
+    let sweep = tables.get("sweep")?;
+    let meshes = sweep.labels("mesh")?;
+    let (mut found, mut strict, mut numbers, mut better) = (vec![], vec![], vec![], vec![]);
+    for mesh in &meshes {
+        let [flow, denoiser] = Limit::pair(sweep, mesh, SHRUNK)?;
+        found.push(compare(denoiser, flow));
+        numbers.push((format!("flows keep the {mesh} up to"), flow.kept));
+        numbers.push((format!("denoisers keep the {mesh} up to"), denoiser.kept));
+        let [flow, denoiser] = Limit::pair(sweep, mesh, STRICT)?;
+        strict.push(compare(denoiser, flow));
+        let level = better_up_to(sweep, mesh)?;
+        let heading = if level > 0.0 { "better on a mesh" } else { "never better" };
+        better.push(TEXT.say(heading, values! { mesh: mesh.as_str(), level })?);
     }
-    let [begin, each] = summary(&numbers, &found);
-    let values = values! { meshes: sentences.join(" "), begin, each };
+    let values = values! {
+        kept: KEPT, shrunk: SHRUNK, strict: STRICT, errors: ERRORS,
+        denoisers: METHODS.iter().filter(|m| is_published(m.0)).count(),
+        found: orders(&meshes, &found)?, better: seen::list(&better),
+        stricter: if found == strict {
+            TEXT.say("strictly the same", values! { strict: STRICT })?
+        } else {
+            let found = orders(&meshes, &strict)?;
+            TEXT.say("strictly", values! { strict: STRICT, found })?
+        },
+    };
     let mut judgement =
         TEXT.judgement("7b", verdict(&found), values)?.ours().shown(Shown::figure("q7", "normals"));
-    for (mesh, [flows, denoisers]) in numbers {
-        for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
-            // Beyond the end of the sweep there is no number.
-            if kept.is_finite() {
-                let name = format!("{who} keep the {mesh} up to");
-                judgement = judgement.number(&name, kept, Unit::EdgeLengths);
-            }
-        }
+    // Beyond the end of the sweep there is no number.
+    for (name, kept) in numbers.into_iter().filter(|(_, kept)| kept.is_finite()) {
+        judgement = judgement.number(&name, kept, Unit::EdgeLengths);
     }
     Ok(judgement)
 }
 
-/// The meshes on which denoisers go further, and the limits of denoisers and flows on each mesh.
-fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> [String; 2] {
-    let further = numbers.iter().zip(found).filter(|(_, o)| **o == Some(Ordering::Greater));
-    let further: Vec<String> = further.map(|((mesh, _), _)| format!("the {mesh}")).collect();
-    let words = |kept: f64| match kept {
-        0.0 => "at no level".to_string(),
-        kept if kept.is_finite() => format!("up to {} h", brief(kept)),
-        _ => "at all levels".into(),
-    };
-    let each = numbers.iter().map(|(mesh, [flows, denoisers])| {
-        format!("on the {mesh} {} and {}", words(*denoisers), words(*flows))
-    });
-    let each = each.collect::<Vec<_>>().join(", ");
-    let begin = match further.len() {
-        0 => "On no mesh do denoisers measurably go further. ".into(),
-        n if n < found.len() => format!("Only on {} is that so. ", further.join(" and ")),
-        _ => String::new(),
-    };
-    [begin, each]
+/// Returns true for a published denoiser.
+fn is_published(method: Method) -> bool {
+    method != Method::Nothing && !method.is_linear() && !method.is_trained()
+}
+
+/// The meshes on which denoisers and on which flows go further, as a sentence without its end.
+fn orders(meshes: &[String], found: &[Option<Ordering>]) -> Result<String> {
+    let mut clauses = vec![];
+    for (heading, wanted) in [
+        ("denoisers further", Some(Ordering::Greater)),
+        ("flows further", Some(Ordering::Less)),
+        ("no difference", None),
+    ] {
+        let names = meshes.iter().zip(found).filter(|(_, order)| **order == wanted);
+        let names: Vec<String> = names.map(|(mesh, _)| format!("the {mesh}")).collect();
+        let meshes = match names.len() {
+            0 => continue,
+            count if count == meshes.len() => TEXT.say("all meshes", values! { count })?,
+            _ => seen::list(&names),
+        };
+        clauses.push(TEXT.say(heading, values! { meshes })?);
+    }
+    Ok(clauses.join("; "))
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.
@@ -289,6 +373,7 @@ mod tests {
     #[test]
     fn ties_are_undecided() {
         let [lost, kept] = [errors(&[10.0, 20.0], 0.5), errors(&[5.0, 10.0], 0.5)].map(|e| Limit {
+            method: "any",
             kept: e.limit(0.0),
             low: e.limit(ERRORS),
             high: e.limit(-ERRORS),

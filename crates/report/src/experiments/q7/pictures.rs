@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use fairing_denoising::{AutomaticOptions, BilateralNormalOptions, Denoiser, GuidedNormalOptions};
+use fairing_denoising::{
+    AutomaticOptions, Denoiser, GuidedNormalOptions, TotalGeneralisedVariationOptions,
+};
 use fairing_evaluation::{NoiseLevel, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Shape, Up, Viewpoint};
 use fairing_mesh::TriMesh;
@@ -17,23 +19,39 @@ use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
 use crate::experiments::models::{CREASES, FEATURE};
 use crate::experiments::over_lambda::{EXPLICIT, IMPLICIT};
-use crate::experiments::restoring::{Body, Method};
+use crate::experiments::restoring::{Body, Method, Trials};
 use crate::experiments::seen;
 use crate::model::table::{Cell, Table};
 use crate::model::view::{Panel, Slider, View};
 
-/// The columns of the pictures; the first is the input of the others.
+/// The columns of the pictures: the input of the others, the steps of the original report, and the
+/// best of the other filters and denoisers at most levels.
 const SHOWN: [Method; 6] = [
     Method::Nothing,
-    Method::Explicit,
-    Method::Implicit,
-    Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)),
+    Method::ReportExplicit,
+    Method::ReportImplicit,
+    Method::Spectral,
     Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)),
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
-/// Methods left out of the views: one step of implicit smoothing looks like ten explicit ones.
-const UNVIEWED: [Method; 2] = [Method::Nothing, Method::Explicit];
+/// Results that the sweeps have computed, of the noise that the pictures show.
+#[derive(Default)]
+pub(super) struct Restored(Vec<(NoiseLevel, Method, TriMesh)>);
+
+impl Restored {
+    /// Keeps the results at a level of the methods that are shown.
+    pub(super) fn keep(&mut self, level: NoiseLevel, trials: Vec<Trials>) {
+        let shown = trials.into_iter().filter(|t| SHOWN.contains(&t.method));
+        self.0.extend(shown.map(|t| (level, t.method, t.first)));
+    }
+
+    /// The result of a method, if it was run at that level.
+    fn find(&self, level: NoiseLevel, method: Method) -> Option<&TriMesh> {
+        let found = self.0.iter().find(|(known, own, _)| *known == level && *own == method);
+        found.map(|(_, _, mesh)| mesh)
+    }
+}
 
 /// The lines of the plots: as many as there are colours. The first two have those of the
 /// playgrounds.
@@ -42,8 +60,10 @@ const CURVES: [Method; 7] = [
     Method::Explicit,
     Method::Taubin,
     Method::Spectral,
-    Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)),
     Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)),
+    Method::Denoiser(Denoiser::TotalGeneralisedVariation(
+        TotalGeneralisedVariationOptions::DEFAULT,
+    )),
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
@@ -52,32 +72,38 @@ const _: () = assert!(
     "a method has one style in all plots"
 );
 
-/// Name, in the plots, of the greatest normal error at which a shape is kept.
-const KEPT_NAME: &str = "kept below";
-
-/// The levels of the scan's view, in h, and whether they are drawn too.
-const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.5, false), (1.0, true)];
+/// The levels of the scan's view, in h, and whether they are drawn too: levels of the sweep, whose
+/// results are shown.
+const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.7, true), (1.4, false)];
 
 /// The noisy part and the results of the methods, a row for each level of the assignment.
-pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, View)> {
+pub(super) fn levels(
+    context: &Context<'_>,
+    part: &Body,
+    known: &Restored,
+) -> Result<(Picture, View)> {
     let levels = ASSIGNMENT.map(|sigma| Level {
         name: sigma.to_string(),
         noise: NoiseLevel::Model(sigma),
         drawn: true,
     });
-    let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
+    let restored = Rows::new(context, part, known, &levels, (VIEWPOINTS[0], Up::Z))?;
     Ok((restored.draw("levels")?, restored.view("levels")?))
 }
 
 /// The same of the scan, levels in h.
-pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)> {
+pub(super) fn scan(
+    context: &Context<'_>,
+    scan: &Body,
+    known: &Restored,
+) -> Result<(Picture, View)> {
     let levels = SCAN_LEVELS.map(|(sigma, drawn)| Level {
         name: format!("{sigma} h"),
         noise: NoiseLevel::EdgeLengths(sigma),
         drawn,
     });
     let viewpoint = Viewpoint::Angles { azimuth: 30.0, elevation: 10.0 };
-    let restored = Restored::new(context, scan, &levels, viewpoint, Up::Y)?;
+    let restored = Rows::new(context, scan, known, &levels, (viewpoint, Up::Y))?;
     Ok((restored.draw("scan")?, restored.view("scan")?))
 }
 
@@ -87,10 +113,10 @@ fn trained(bodies: &[&Body]) -> Result<String> {
     let names: Vec<String> = names.map(|body| format!("the {}", body.name)).collect();
     let like = match names.len() {
         0 => return Ok(String::new()),
-        n if n == bodies.len() => "like these".into(),
-        _ => format!("like {}", seen::list(&names)),
+        n if n == bodies.len() => TEXT.say("like these", &[])?,
+        _ => TEXT.say("like some", values! { names: seen::list(&names) })?,
     };
-    Ok(format!(" {}", TEXT.say("trained", values! { like })?))
+    TEXT.say("trained", values! { like })
 }
 
 /// A level of noise.
@@ -102,7 +128,7 @@ struct Level {
 }
 
 /// A model under each level of noise, after each method.
-struct Restored<'a> {
+struct Rows<'a> {
     body: &'a Body,
     levels: &'a [Level],
     /// In the order of the levels, each in the order of [`SHOWN`].
@@ -111,17 +137,21 @@ struct Restored<'a> {
     up: Up,
 }
 
-impl<'a> Restored<'a> {
+impl<'a> Rows<'a> {
     fn new(
         context: &Context<'_>,
         body: &'a Body,
+        known: &Restored,
         levels: &'a [Level],
-        viewpoint: Viewpoint,
-        up: Up,
+        (viewpoint, up): (Viewpoint, Up),
     ) -> Result<Self> {
         let restore = |level: &Level| -> Result<Vec<TriMesh>> {
             let noisy = body.noisy(level.noise, context.seed("noise"))?;
-            SHOWN.par_iter().map(|&m| body.restore(m, &noisy)).collect()
+            let one = |&method: &Method| match known.find(level.noise, method) {
+                Some(mesh) => Ok(mesh.clone()),
+                None => body.restore(method, &noisy),
+            };
+            SHOWN.par_iter().map(one).collect()
         };
         let meshes = levels.iter().map(restore).collect::<Result<_>>()?;
         Ok(Self { body, levels, meshes, viewpoint, up })
@@ -160,7 +190,7 @@ impl<'a> Restored<'a> {
     fn view(&self, figure: &str) -> Result<View> {
         let name = self.body.name;
         let trained = trained(&[self.body])?;
-        let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
+        let viewed = || SHOWN.iter().enumerate().skip(1);
         let (mut noisy, mut results) = (vec![], vec![]);
         for meshes in &self.meshes {
             for (i, _) in viewed() {
@@ -273,7 +303,7 @@ fn curve(
         let points = points.map(|(x, y)| [x, y]).collect();
         plot.series.push(Series::reference(Method::Nothing.name(), points));
         if column == "normal error" {
-            plot.series.push(Series::new(KEPT_NAME, Shape::Level(KEPT)));
+            plot.series.push(Series::new(&TEXT.say("kept below", &[])?, Shape::Level(KEPT)));
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 180.0)?));
     }

@@ -44,6 +44,7 @@ const MATH: &[u8] = include_bytes!("../../../assets/math.woff2");
 /// into the page, or linked if the report is small.
 pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results);
+    main += &rules(results);
     main += &claims(results);
     main += &meshes(results, folder)?;
     let numbered = numbers::first_numbers(results);
@@ -54,7 +55,6 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let sections: Vec<(&str, String)> =
         numbered.iter().map(|(record, _)| record.id.as_str()).zip(bodies).collect();
     main += &acts(results, &sections);
-    main += &rules(results);
     main += &sources(results);
     main += &provenance(results);
     document(story::TITLE, &contents(results), &main)
@@ -90,6 +90,9 @@ fn math_font() -> String {
 
 fn contents(results: &Results) -> String {
     let mut list = String::new();
+    if !story::rules(results).is_empty() {
+        list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
+    }
     if results.experiments.iter().any(|r| !r.claims.is_empty()) {
         list += "<li><a href=\"#claims\">The claims</a></li>";
     }
@@ -108,9 +111,6 @@ fn contents(results: &Results) -> String {
         act.sections(results).for_each(&mut link);
     }
     story::others(results).for_each(link);
-    if !story::rules(results).is_empty() {
-        list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
-    }
     if !bibliography::of(results).is_empty() {
         list += "<li><a href=\"#sources\">Sources</a></li>";
     }
@@ -124,13 +124,8 @@ fn contents(results: &Results) -> String {
 /// table of claims follows.
 fn opening(results: &Results) -> String {
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
-    let lessons = if story::rules(results).is_empty() {
-        ""
-    } else {
-        " At the end is <a href=\"#rules\">what we would tell the student</a>."
-    };
     let mut text = format!(
-        "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}{lessons}</p>",
+        "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}</p>",
         story::idea(),
         figures::playground(&story::first_playground(), ""),
         story::question(),
@@ -149,7 +144,8 @@ fn opening(results: &Results) -> String {
     let p = &results.provenance;
     let _ = write!(
         text,
-        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Every number below comes from the measurements.</p></section>",
+        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Every number \
+         below comes from the measurements.</p></section>",
         escape(&p.program),
         escape(p.commit.get(..12).unwrap_or(&p.commit)),
         if p.dirty { " with changes" } else { "" },
@@ -189,7 +185,7 @@ fn acts(results: &Results, sections: &[(&str, String)]) -> String {
     text
 }
 
-/// The rules at the end, each with the claim behind it.
+/// The rules for a student, each with the claim behind it.
 fn rules(results: &Results) -> String {
     let rules = story::rules(results);
     if rules.is_empty() {
@@ -263,11 +259,7 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     let origin = if stand_ins.is_empty() {
         "They are those of the assignment, or made here.".to_string()
     } else {
-        format!(
-            "Generated meshes take the place of the assignment's: {}. With <code>--meshes FOLDER</code> the real ones \
-             are used.",
-            escape(&stand_ins.join(", "))
-        )
+        escape::with_code(&story::replaced(&stand_ins.join(", ")))
     };
     Ok(format!(
         "<section id=\"meshes\"><h2>The meshes</h2><details><summary>{count} meshes with their pictures</summary>\
@@ -278,15 +270,15 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
 /// A row for each claim: its verdict and the true statement. Our own are folded.
 fn claims(results: &Results) -> String {
     let source = claim_table(results, false, "The original report claims");
-    let ours = claim_table(results, true, "Fairing claims");
+    let ours = claim_table(results, true, "Our own hypothesis");
     if source.is_empty() && ours.is_empty() {
         return source;
     }
     let own = results.claims().into_iter().filter(|(_, c)| c.ours).map(|(_, c)| c.verdict);
     let own: Vec<Verdict> = own.collect();
-    let counts: Vec<String> = story::GROUPS
+    let counts: Vec<String> = story::VERDICTS
         .iter()
-        .map(|(verdict, _)| (own.iter().filter(|v| *v == verdict).count(), verdict))
+        .map(|verdict| (own.iter().filter(|v| *v == verdict).count(), verdict))
         .filter(|(count, _)| *count > 0)
         .map(|(count, verdict)| format!("{count} {verdict}"))
         .collect();
@@ -294,11 +286,12 @@ fn claims(results: &Results) -> String {
         ours
     } else {
         format!(
-            "<details><summary>Claims of Fairing: {}</summary>{ours}</details>",
+            "<details><summary>Our own hypotheses: {}</summary>{ours}</details>",
             counts.join(", ")
         )
     };
-    format!("<section id=\"claims\"><h2>The claims</h2>{source}{ours}</section>")
+    let meaning = escape(&story::verdicts());
+    format!("<section id=\"claims\"><h2>The claims</h2><p>{meaning}</p>{source}{ours}</section>")
 }
 
 /// The claims of the original report, or ours.
@@ -318,7 +311,8 @@ fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
         rows
     } else {
         format!(
-            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th><th scope=\"colgroup\">{heading}</th>\
+            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th>\
+             <th scope=\"colgroup\">{heading}</th>\
              <th>Verdict</th><th>What is true</th></tr>{rows}</tbody></table></div>"
         )
     }

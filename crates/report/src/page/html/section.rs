@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::escape::{escape, with_code};
+use super::escape::{escape, paragraphs, with_code};
 use super::{figures, tables};
 use crate::model::results::Record;
 use crate::model::verdict::{Deciding, Judgement, Shown, Verdict};
@@ -153,17 +153,18 @@ pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
 fn judgement(all: &[Record], claim: &Judgement) -> String {
     let said = if claim.finding.is_empty() { &claim.reason } else { &claim.finding };
     let mut text = format!(
-        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}{5}</p>",
+        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>{6} {0}.</b> {1}</p><p>{3} {4}{5}</p>",
         escape(&claim.id),
         escape(&claim.claim),
         claim.verdict.key(),
         verdict(claim.verdict),
         escape(said),
-        link(all, claim)
+        link(all, claim),
+        claim.kind()
     );
     let mut more = String::new();
     if !claim.finding.is_empty() && claim.reason != claim.finding {
-        let _ = write!(more, "<p>{}</p>", escape(&claim.reason));
+        more += &paragraphs(&claim.reason);
     }
     if !claim.numbers.is_empty() {
         more += "<ul class=\"numbers\">";
