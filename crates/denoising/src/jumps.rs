@@ -27,7 +27,14 @@ pub(crate) struct JumpSystem {
     /// the face itself, and zero, where there is no hinge.
     across: Vec<[u32; 3]>,
     widths: Vec<[f64; 3]>,
+    /// The lengths of the sides of all faces that have a hinge, in sum.
+    lengths: f64,
 }
+
+/// The ratio of the lengths of hinges to the areas of faces, in sums over all and in units of h,
+/// above which a system is stiff. It is 7 on even meshes, and about n/2 on a disc of n faces around
+/// its centre.
+const STIFF: f64 = 500.0;
 
 impl JumpSystem {
     pub(crate) fn new(mesh: &TriMesh, penalty: f64) -> Self {
@@ -40,6 +47,7 @@ impl JumpSystem {
             let [g, k] = hinge.faces;
             (if g as usize == f { k } else { g }, penalty * length(mesh, hinge) / h)
         };
+        let lengths = 2.0 * hinges.all.iter().map(|hinge| length(mesh, hinge) / h).sum::<f64>();
         let (across, widths) = (0..areas.len())
             .into_par_iter()
             .map(|f| {
@@ -48,7 +56,7 @@ impl JumpSystem {
             })
             .unzip();
         let noisy = normals.iter().map(DVec3::to_array).collect();
-        Self { hinges, noisy, areas, across, widths }
+        Self { hinges, noisy, areas, across, widths, lengths }
     }
 
     /// Row `f` of the matrix times x.
@@ -61,6 +69,18 @@ impl JumpSystem {
             sum += widths[k] * (own - DVec3::from(x[across[k] as usize]));
         }
         sum.to_array()
+    }
+
+    /// Returns true where faces are so thin that conjugate gradients take the more iterations the
+    /// more faces there are, as around a vertex of thousands.
+    pub(crate) fn is_stiff(&self) -> bool {
+        self.lengths > STIFF * self.areas.iter().sum::<f64>()
+    }
+
+    /// The face across each hinge of face `f`, with the penalty there.
+    pub(crate) fn sides(&self, f: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let sides = self.across[f].into_iter().zip(self.widths[f]);
+        sides.filter(move |(g, _)| *g as usize != f)
     }
 
     /// The diagonal of the matrix.

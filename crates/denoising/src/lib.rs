@@ -24,6 +24,7 @@ mod error;
 mod faces;
 mod fast_effective;
 mod guided_normal;
+mod jump_tree;
 mod jumps;
 mod l0;
 mod masked;

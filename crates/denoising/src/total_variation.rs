@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::Hinge;
+use super::jump_tree::JumpTree;
 use super::jumps::{JumpSystem, shorten};
 use super::masked::Masked;
 use super::vertex_update::follow_normals;
@@ -49,7 +50,8 @@ fairing_parameters::options! {
 /// over fields of vectors, by the alternating direction method of multipliers
 /// (the penalty is 2 α / h), followed by scaling to unit length. The weights w spare strong
 /// creases; m̄ are the normals after one averaging over the faces across the
-/// edges, so that noise does not pass for a crease. The vertices follow
+/// edges, so that noise does not pass for a crease. The linear systems are solved by conjugate
+/// gradients, preconditioned by a spanning tree of the faces where these are very thin. The vertices follow
 /// ([`update_vertices`](super::update_vertices)). This is the variation of first order, under which
 /// curved parts turn into facets, and not the
 /// [generalised](super::total_generalised_variation) one of second order.
@@ -79,6 +81,7 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
     let system = JumpSystem::new(mesh, penalty);
     let thresholds = thresholds(&system, options.weight);
     let diagonal = system.diagonal();
+    let tree = system.is_stiff().then(|| JumpTree::new(&system));
     let mut normals = system.noisy.clone();
     let mut wanted = vec![[0.0; 3]; system.hinges.all.len()];
     let mut b = normals.clone();
@@ -90,6 +93,10 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
             (shorten(jump, wanted, thresholds[e] / penalty, step == 0), ())
         });
         system.right_hand_side(|e| DVec3::from(wanted[e]), &mut b);
+        if let Some(tree) = &tree {
+            (normals, _) = tree.solve(&system, &b, normals, &ACCURACY, step)?;
+            continue;
+        }
         let operator = FieldOperator::new(&diagonal, |x: &[[f64; 3]], product: &mut [_]| {
             product_by_rows(x, product, |f| system.row(x, f))
         });
