@@ -127,7 +127,8 @@ fn provenance(results: &Results) -> String {
     if !stand_ins.is_empty() {
         let _ = write!(
             text,
-            "\nGenerated meshes took the place of the assignment's: {}. With `--meshes FOLDER` the real ones are used.\n",
+            "\nGenerated meshes took the place of the assignment's: {}. \
+             With `--meshes FOLDER` the real ones are used.\n",
             stand_ins.join(", ")
         );
     }

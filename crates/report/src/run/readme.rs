@@ -21,7 +21,8 @@ fn with_claims(readme: &str, results: &Results) -> Option<String> {
     let [source, ours] = [false, true].map(|ours| claim_table(results, ours, &place));
     let summary = summary(results);
     Some(format!(
-        "{before}{BEGIN}\n{summary}\nClaims of the original report:\n\n{source}\nClaims of Fairing:\n\n{ours}\n{END}{after}"
+        "{before}{BEGIN}\n{summary}\nClaims of the original report:\n\n{source}\n\
+         Claims of Fairing:\n\n{ours}\n{END}{after}"
     ))
 }
 

@@ -149,7 +149,8 @@ fn opening(results: &Results) -> String {
     let p = &results.provenance;
     let _ = write!(
         text,
-        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Every number below comes from the measurements.</p></section>",
+        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Every number \
+         below comes from the measurements.</p></section>",
         escape(&p.program),
         escape(p.commit.get(..12).unwrap_or(&p.commit)),
         if p.dirty { " with changes" } else { "" },
@@ -318,7 +319,8 @@ fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
         rows
     } else {
         format!(
-            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th><th scope=\"colgroup\">{heading}</th>\
+            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th>\
+             <th scope=\"colgroup\">{heading}</th>\
              <th>Verdict</th><th>What is true</th></tr>{rows}</tbody></table></div>"
         )
     }
