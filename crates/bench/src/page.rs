@@ -185,11 +185,11 @@ const COMPARED: [(&str, &str); 19] = [
 fn compared(results: &Value) -> Result<String> {
     let text = |value: &Value, key: &str| value[key].as_str().unwrap_or_default().to_owned();
     let mut page = format!(
-        "\n## Against other libraries\n\nSeconds on {}, {}. The programs took turns, each with one thread and with two, \
-         and the better counts. “Best” is the least time of any run, “first” the median of the first runs of the \
-         processes, which is what one call of a program takes, without reading the file unless that is the task. Other \
-         programs count if their answer is the same, also if they check nothing: `from_chars` is a bare reader of OBJ, \
-         and numpy writes its arrays as they are.\n\n\
+        "\n## Against other libraries\n\nSeconds on {}, {}. The programs took turns, each with one thread \
+         and with two, and the better counts. “Best” is the least time of any run, “first” the median \
+         of the first runs of the processes, which is what one call of a program takes, without reading the \
+         file unless that is the task. Other programs count if their answer is the same, also if they check \
+         nothing: `from_chars` is a bare reader of OBJ, and numpy writes its arrays as they are.\n\n\
          | Task | Mesh | Best | Best other | Ratio | First | Best other | Ratio |\n|---|---|--:|---|--:|--:|---|--:|\n",
         text(results, "cpu"),
         text(results, "when"),
@@ -227,10 +227,12 @@ fn compared(results: &Value) -> Result<String> {
 /// The table of times over the number of vertices.
 fn over_size(rows: &[Row]) -> String {
     let mut page = format!(
-        "\n## Over the number of vertices\n\nSeconds of a task in a process that does nothing else (the middle of three up to 170 thousand vertices, else one), on spheres with noise of {NOISE} h and twice as many faces as vertices, without reading the file unless that is the task; {}. Ten steps where nothing \
-         else is said; systems are assembled, factorised and solved for three columns, and the solution is refined. The \
-         exponent is the slope of the line of least squares through the logarithms; memory is the largest of the process \
-         at the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
+        "\n## Over the number of vertices\n\nSeconds of a task in a process that does nothing else (the \
+         middle of three up to 170 thousand vertices, else one), on spheres with noise of {NOISE} h and twice as \
+         many faces as vertices, without reading the file unless that is the task; {}. Ten steps where nothing \
+         else is said; systems are assembled, factorised and solved for three columns, and the solution is \
+         refined. The exponent is the slope of the line of least squares through the logarithms; memory is the \
+         largest of the process at the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
         machine(),
     );
     let most = rows.iter().max_by_key(|row| row.times.len());
@@ -255,9 +257,10 @@ fn over_size(rows: &[Row]) -> String {
 /// The table of the rates of a product with S and of a triad.
 fn bandwidth(rates: &[Rate]) -> String {
     let mut page = String::from(
-        "\n## Share of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its rate counts \
-         values, columns and row starts of S, and every position once in and once out; the triad a = b + s c is that of \
-         STREAM, on arrays of 64 MB, in the same process. A rate above the triad's means that a cache held part of the \
+        "\n## Share of the memory bandwidth\n\nThe product of S with three columns reads each entry once. Its \
+         rate counts values, columns and row starts of S, and every position once in and once out; the triad \
+         a = b + s c is that of STREAM, on arrays of 64 MB, in the same process. A rate above the triad's \
+         means that a cache held part of the \
          matrix.\n\n| Vertices | S times three columns, GB/s | Triad, GB/s | Share |\n|--:|--:|--:|--:|\n",
     );
     for Rate { vertices, triad, product } in rates {

@@ -176,7 +176,8 @@ macro_rules! options {
             }
 
             fn parameters(&self) -> Vec<$crate::Parameter> {
-                let fields: Vec<Vec<$crate::Parameter>> = vec![$($crate::Field::parameters(&self.$field, $crate::Parameter {
+                let fields: Vec<Vec<$crate::Parameter>> = vec![$($crate::Field::parameters(
+                    &self.$field, $crate::Parameter {
                     unit: $crate::__or!("" $(, $unit)?),
                     range: $crate::__or!($crate::Range::FINITE $(, $crate::Range::from($range))?),
                     excludes: $crate::__or!(&[] $(, &$excludes)?),

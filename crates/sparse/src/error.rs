@@ -93,7 +93,8 @@ pub enum SparseError {
     },
     /// A custom ordering is not a permutation of the rows.
     #[error(
-        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row {entry} repeated or out of range"
+        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row \
+         {entry} repeated or out of range"
     )]
     NotAnOrdering {
         /// Length of the ordering.
@@ -136,7 +137,8 @@ pub enum SparseError {
     },
     /// Rounding leaves fewer than half of the digits of a solution.
     #[error(
-        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than half of the digits of its solution would be correct"
+        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than \
+         half of the digits of its solution would be correct"
     )]
     IllConditioned {
         /// An estimate of the condition of the matrix scaled to a unit diagonal.

@@ -121,8 +121,9 @@ pub enum FlowFailure {
     /// A flow with an updated operator has shrunk the mesh to almost nothing: the exact surface
     /// vanishes within this step.
     #[error(
-        "the surface collapses in this step: the area of a face at vertex {vertex} is {area:e}, down from {before:e} in \
-         the input; end the flow earlier, or use the robust operator or the conformal flow, which continue"
+        "the surface collapses in this step: the area of a face at vertex {vertex} is {area:e}, down from \
+         {before:e} in the input; end the flow earlier, or use the robust operator or the conformal \
+         flow, which continue"
     )]
     Collapsed {
         /// A corner of the face that has lost the largest fraction of its area.
@@ -163,7 +164,7 @@ pub enum FlowFailure {
         /// The vertex with the largest residual.
         vertex: u32,
     },
-    /// One vertex is the neighbour of so many vertices of a region that its matrix would be dense.
+    /// A vertex has too many neighbours in a region for its matrix to be sparse.
     #[error(
         "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: \
          choose fewer, or order 1"

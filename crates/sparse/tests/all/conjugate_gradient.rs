@@ -98,8 +98,8 @@ fn threads_do_not_change_bits() {
     assert_eq!(run(1), run(4));
 }
 
-/// A tolerance below rounding: done at what rounding leaves, and the residual that is told is the
-/// true one.
+/// With a tolerance below rounding the solver stops at rounding level and reports the true
+/// residual.
 #[test]
 fn residuals_are_measured() {
     use fairing_sparse::{CgOptions, ConjugateGradient, Mass, combine, multiply};
