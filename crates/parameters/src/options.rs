@@ -239,7 +239,6 @@ macro_rules! __name {
 }
 
 /// A name with hyphens in place of underscores.
-#[doc(hidden)]
 pub const fn hyphenated<const N: usize>(name: &str) -> [u8; N] {
     let mut bytes = [0; N];
     let mut i = 0;
@@ -254,7 +253,6 @@ pub const fn hyphenated<const N: usize>(name: &str) -> [u8; N] {
 }
 
 /// A documentation comment of one sentence, without the full stop.
-#[doc(hidden)]
 pub fn sentence(doc: &'static str) -> &'static str {
     doc.trim().trim_end_matches('.')
 }

@@ -10,7 +10,8 @@ use super::object;
 
 /// The report of a curvature by an estimator: the numbers of vertices without a value, for each
 /// reason, and of those on the boundary; and the range and the median of each field over the
-/// interior vertices, null without interior vertices. `accuracy` is null if the estimator has no errors.
+/// interior vertices, null without interior vertices. `accuracy` is null if the estimator has no
+/// errors.
 pub fn curvature(estimator: &'static str, field: &CurvatureField) -> Value {
     let reasons = undefined_because(field);
     let ranges = |columns: &[Column<'_>]| {
