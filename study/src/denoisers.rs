@@ -357,7 +357,8 @@ fn report(title: &str, found: &[Found], s: &Summary) {
         s.worse_than_default, s.worse_normals, s.worse_positions
     );
     println!(
-        "  flipped faces {} → {}, more than a tenth in {} cases; more self-intersections in {}; volume {:.2} % from the truth at most, {:.2} % from the noisy mesh",
+        "  flipped faces {} → {}, more than a tenth in {} cases; more self-intersections in {}; volume \
+         {:.2} % from the truth at most, {:.2} % from the noisy mesh",
         s.flipped[0],
         s.flipped[1],
         s.too_many_flipped,

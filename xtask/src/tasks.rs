@@ -27,8 +27,8 @@ pub(crate) const STEPS: [(&str, &str); 9] = [
 ];
 
 const WEB: &str = "\
-Build the module for browsers from source, test it in Node, write the laboratory, target/web/fairing.html, and test it in
-Chromium; where Node or Chromium is absent, its tests are skipped by name
+Build the module for browsers from source, test it in Node, write the laboratory, target/web/fairing.html, and test it
+in Chromium; where Node or Chromium is absent, its tests are skipped by name
 
 The compiler needs the target wasm32-unknown-unknown: that of rustup if it is installed, else Debian's packages, which
 apt-get fetches into target/web/toolchain and which leave the machine as it is.

@@ -165,9 +165,9 @@ fn filter_globally(
         .collect();
     let b: Vec<[f64; 3]> =
         noisy.iter().zip(&areas).map(|(&n, a)| (keep * a * n).to_array()).collect();
-    let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000, measure: true };
+    let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000 };
     let operator = FieldOperator::new(&diagonal, apply);
-    let (found, _) =
+    let found =
         conjugate_gradients(&operator, &b, noisy.iter().map(DVec3::to_array).collect(), &accuracy);
     let normals = solved(found, &accuracy, 0)?;
     let normals: Vec<DVec3> =

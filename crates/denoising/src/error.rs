@@ -48,14 +48,13 @@ pub enum DenoiseError {
 /// Returns the solution of the linear system of outer step `step`; an error if its residual exceeds
 /// ten times the tolerance.
 pub(crate) fn solved(
-    solution: CgSolution<Vec<[f64; 3]>>,
+    solution: CgSolution,
     options: &CgOptions,
     step: usize,
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-    // Coordinates are measured together: each of the three residuals is that of all.
-    let residual = solution.residuals[0];
+    let CgSolution { x, iterations, residual, .. } = solution;
     if residual <= 10.0 * options.tolerance {
-        return Ok(solution.x);
+        return Ok(x);
     }
-    Err(DenoiseError::NotSolved { step, iterations: solution.iterations, residual })
+    Err(DenoiseError::NotSolved { step, iterations, residual })
 }

@@ -205,7 +205,7 @@ mod tests {
     /// conjugate gradients of a diagonal took hundreds, and twice as many.
     #[test]
     fn iterations_around_hubs_do_not_grow() {
-        let accuracy = CgOptions { tolerance: 1e-8, max_iterations: 60, measure: false };
+        let accuracy = CgOptions { tolerance: 1e-8, max_iterations: 60 };
         for is_closed in [false, true] {
             for n in [8000, 32_000] {
                 let system = JumpSystem::new(&cone(n, is_closed), 1.4);

@@ -15,7 +15,7 @@ use crate::masked::on_oriented;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
-const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 1000, measure: false };
+const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 1000 };
 
 /// The weight of a term over its penalty: the length by which its vectors are shortened in a step.
 const THRESHOLD: f64 = 0.5;
@@ -129,7 +129,7 @@ pub(crate) fn filtered_normals(
         let operator = FieldOperator::new(&diagonal, |x: &[[f64; 3]], product: &mut [_]| {
             product_by_rows(x, product, |f| system.row(x, f))
         });
-        let (found, _) = conjugate_gradients(&operator, &b, solution, &ACCURACY);
+        let found = conjugate_gradients(&operator, &b, solution, &ACCURACY);
         solution = solved(found, &ACCURACY, step)?;
         update(&mut normals, |f, _| (DVec3::from(solution[f]).normalize_or_zero().to_array(), ()));
         let excess = |e: usize| system.jump(&normals, e) - DVec3::from(jumps[e]);
@@ -137,7 +137,7 @@ pub(crate) fn filtered_normals(
         let operator = FieldOperator::new(&bends.diagonal, |v: &[[f64; 3]], product: &mut [_]| {
             product_by_rows(v, product, |e| bends.row(v, e))
         });
-        let (found, _) = conjugate_gradients(&operator, &c, vectors, &ACCURACY);
+        let found = conjugate_gradients(&operator, &c, vectors, &ACCURACY);
         vectors = solved(found, &ACCURACY, step)?;
     }
     Ok(normals.into_iter().map(DVec3::from).collect())

@@ -17,7 +17,7 @@ use crate::masked::on_oriented;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
-const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000, measure: false };
+const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000 };
 
 fairing_parameters::options! {
     /// Options of [`total_variation`].
@@ -100,7 +100,7 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
         let operator = FieldOperator::new(&diagonal, |x: &[[f64; 3]], product: &mut [_]| {
             product_by_rows(x, product, |f| system.row(x, f))
         });
-        let (found, _) = conjugate_gradients(&operator, &b, normals, &ACCURACY);
+        let found = conjugate_gradients(&operator, &b, normals, &ACCURACY);
         normals = solved(found, &ACCURACY, step)?;
     }
     let normals: Vec<DVec3> =

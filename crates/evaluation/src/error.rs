@@ -43,7 +43,11 @@ pub enum EvaluationError {
         which: &'static str,
     },
     /// A score that compares element by element needs meshes with the same faces.
-    #[error("the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and {reference_faces} triangles{}", if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" })]
+    #[error(
+        "the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and \
+         {reference_faces} triangles{}",
+        if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" }
+    )]
     NoCorrespondence {
         /// Vertices of the mesh.
         vertices: usize,

@@ -9,7 +9,6 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-#[doc(hidden)]
 pub mod bundle;
 mod camera;
 mod color;
@@ -47,12 +46,8 @@ pub use figure::{Figure, Panel};
 pub use image::Image;
 pub use maps::ColorMap;
 pub use normals::Shading;
-#[doc(hidden)]
-pub use number::number;
 pub use occlusion::Occlusion;
-pub use page::{Exhibit, page};
-#[doc(hidden)]
-pub use page::{VIEWER, color_maps};
+pub use page::{Exhibit, VIEWER, color_maps, page};
 pub use plot::{Axis, AxisScale, Legend, Plot, Series, Shape};
 pub use render::{Colors, render};
 pub use render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};

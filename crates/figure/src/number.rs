@@ -6,7 +6,7 @@ const MINUS: char = '\u{2212}';
 /// `value` with at most `digits` significant digits and no trailing zeros:
 /// plain from 0.001 to 99 999, otherwise as in `1.2·10⁻⁵`. With a real minus
 /// sign; infinities and NaN as `∞` and `–`.
-pub fn number(value: f64, digits: usize) -> String {
+pub(crate) fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {
         return "–".into();
     }

@@ -45,7 +45,8 @@ fn write_all(out: &mut String, elements: &[Element]) -> Result<(), FigureError> 
                 push(
                     out,
                     format_args!(
-                        "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" href=\"data:image/png;base64,{data}\"/>"
+                        "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" \
+                         href=\"data:image/png;base64,{data}\"/>"
                     ),
                 );
             }

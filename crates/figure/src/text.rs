@@ -100,7 +100,8 @@ mod tests {
     /// be there, in each style.
     #[test]
     fn every_sign_of_the_report_has_a_glyph() {
-        let signs = "κλσφθτχμεαβγΔπΣ₀₁₂₃₄₅ₙₖᵢⱼ−×°²³⁻¹⁴⁵√∞≈≤≥±→…–—‖·½∇⟨⟩ℓ←↑▲ŁéüßÅ";
+        let signs = "κλσφθτχμεαβγΔπΣ₀₁₂₃₄₅ₙₖᵢⱼ\
+                     −×°²³⁻¹⁴⁵√∞≈≤≥±→…–—‖·½∇⟨⟩ℓ←↑▲ŁéüßÅ";
         for style in [Style::Regular, Style::Bold] {
             assert_eq!(Fonts::get().glyph('\u{4e00}', style).1, GlyphId(0));
             for sign in signs.chars() {

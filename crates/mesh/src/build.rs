@@ -16,7 +16,10 @@ pub const EXTENTS: RangeInclusive<f64> = 1e-30..=1e30;
 #[non_exhaustive]
 pub enum BuildError {
     /// A coordinate is infinite or not a number.
-    #[error("vertex {vertex} has the coordinates ({}, {}, {}), which are not all finite", position[0], position[1], position[2])]
+    #[error(
+        "vertex {vertex} has the coordinates ({}, {}, {}), which are not all finite",
+        position[0], position[1], position[2]
+    )]
     NonFinite {
         /// The offending vertex.
         vertex: u32,

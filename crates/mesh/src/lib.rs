@@ -26,16 +26,13 @@ mod repair;
 mod subdivide;
 mod topology;
 mod trimesh;
-#[doc(hidden)]
 mod weld;
 
 pub use build::{BuildError, EXTENTS};
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
-#[doc(hidden)]
 pub use hilbert::hilbert;
 pub use incidence::Incidence;
-#[doc(hidden)]
 #[cfg(feature = "ndarray")]
 pub use ndarray;
 pub use polygon::{PolygonFaces, PolygonMesh};

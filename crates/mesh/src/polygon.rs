@@ -66,7 +66,7 @@ impl PolygonFaces {
     }
 
     /// The number of polygons of more than three corners.
-    pub fn larger(&self) -> usize {
+    pub fn non_triangles(&self) -> usize {
         self.offsets.windows(2).filter(|ends| ends[1] - ends[0] > 3).count()
     }
 

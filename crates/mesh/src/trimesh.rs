@@ -132,7 +132,7 @@ impl TriMesh {
     }
 
     /// The mesh with the [polygons](Self::polygons) that its faces were split from, or with its
-    /// faces if there are none.
+    /// faces if it has no larger polygons.
     pub fn to_polygon_mesh(&self) -> PolygonMesh {
         let triangles = || PolygonFaces::of_triangles(self.faces());
         let faces = self.polygons().cloned().unwrap_or_else(triangles);
@@ -152,7 +152,7 @@ impl TriMesh {
         };
         let fits = count == self.face_count() && (0..polygons.count()).all(parts);
         let faces = fits.then(|| self.faces().to_vec())?;
-        let polygons = (polygons.larger() > 0).then_some(polygons);
+        let polygons = (polygons.non_triangles() > 0).then_some(polygons);
         Some(Self::from_polygons_checked(self.positions, faces, polygons))
     }
 

@@ -158,8 +158,7 @@ fn surfaces(set: Set) -> Vec<Surface> {
             [([1.0, 0.9, 0.75], [1, 3]), ([1.6, 1.0, 0.9], [2, 4]), ([1.0, 0.8, 0.55], [2, 3])]
         }
     };
-    for (i, (axes, levels)) in ellipsoids.into_iter().enumerate() {
-        let [a, b, c] = axes;
+    for (i, (axes @ [a, b, c], levels)) in ellipsoids.into_iter().enumerate() {
         for level in levels {
             let surface = Ellipsoid { a, b, c };
             let mesh = shapes::ellipsoid(axes, level);
@@ -329,7 +328,8 @@ fn main() {
             if verbose {
                 let acc = field.accuracy.as_ref().unwrap();
                 println!(
-                    "{:28} {level:4} H {:.4} /{:.4} = {:5.2}  K {:.4} /{:.4} = {:5.2}  cover {:.2} {:.2} scale {:.2} noise {:.3} {missed}",
+                    "{:28} {level:4} H {:.4} /{:.4} = {:5.2}  K {:.4} /{:.4} = {:5.2}  \
+                     cover {:.2} {:.2} scale {:.2} noise {:.3} {missed}",
                     surface.name,
                     found[0],
                     best[0],

@@ -35,7 +35,6 @@ mod uniform;
 
 pub use area::LumpedArea;
 pub use corners::check_faces;
-#[doc(hidden)]
 pub use curvature::PrincipalAxes;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
@@ -46,11 +45,9 @@ pub use laplacian::{
     positive_lumped_mass,
 };
 pub use mass::{consistent_mass, lumped_mass};
-#[doc(hidden)]
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};
 pub use stiffness::cotan_stiffness;
-#[doc(hidden)]
 pub use tangent::tangent_frame;
 pub use uniform::{combinatorial_laplacian, random_walk_laplacian};

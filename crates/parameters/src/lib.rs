@@ -24,7 +24,6 @@ pub use algorithm::{Algorithm, Choice, Kind, Parameter};
 pub use error::ParameterError;
 pub use family::Family;
 pub use field::Field;
-#[doc(hidden)]
 pub use named::by_name;
 pub use options::{Entry, Options};
 #[doc(hidden)]

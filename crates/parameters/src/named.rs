@@ -3,7 +3,6 @@
 use crate::error::ParameterError;
 
 /// The choice of that name.
-#[doc(hidden)]
 pub fn by_name<T: Copy>(
     what: &'static str,
     all: &[T],
@@ -21,7 +20,6 @@ pub fn by_name<T: Copy>(
 /// Makes a type be written as its name (`Display`) and read from it
 /// (`FromStr`), from its constant `ALL` and its method `name`. With a list of names it makes these
 /// two as well.
-#[doc(hidden)]
 #[macro_export]
 macro_rules! named {
     ($type:ty, $what:literal, $($variant:ident: $name:literal),+ $(,)?) => {
@@ -57,7 +55,6 @@ macro_rules! named {
 }
 
 /// Makes a type be serialized as its name, and deserialized from it.
-#[doc(hidden)]
 #[macro_export]
 macro_rules! serde_by_name {
     ($type:ty) => {
@@ -84,7 +81,6 @@ macro_rules! serde_by_name {
 
 /// Gives an enum without fields the constants `ALL` and `CHOICES` and the method `name`, writes it
 /// as its name and reads it from its name, and makes it a parameter of options.
-#[doc(hidden)]
 #[macro_export]
 macro_rules! choices {
     ($type:ty, $what:literal, $($variant:ident: $name:literal, $about:literal;)*) => {

@@ -176,7 +176,8 @@ macro_rules! options {
             }
 
             fn parameters(&self) -> Vec<$crate::Parameter> {
-                let fields: Vec<Vec<$crate::Parameter>> = vec![$($crate::Field::parameters(&self.$field, $crate::Parameter {
+                let fields: Vec<Vec<$crate::Parameter>> = vec![$($crate::Field::parameters(
+                    &self.$field, $crate::Parameter {
                     unit: $crate::__or!("" $(, $unit)?),
                     range: $crate::__or!($crate::Range::FINITE $(, $crate::Range::from($range))?),
                     excludes: $crate::__or!(&[] $(, &$excludes)?),
@@ -238,7 +239,6 @@ macro_rules! __name {
 }
 
 /// A name with hyphens in place of underscores.
-#[doc(hidden)]
 pub const fn hyphenated<const N: usize>(name: &str) -> [u8; N] {
     let mut bytes = [0; N];
     let mut i = 0;
@@ -253,7 +253,6 @@ pub const fn hyphenated<const N: usize>(name: &str) -> [u8; N] {
 }
 
 /// A documentation comment of one sentence, without the full stop.
-#[doc(hidden)]
 pub fn sentence(doc: &'static str) -> &'static str {
     doc.trim().trim_end_matches('.')
 }

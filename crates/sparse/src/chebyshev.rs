@@ -115,7 +115,7 @@ impl ChebyshevSeries {
     }
 }
 
-/// The mean of the points of nonzero rows; `None` if there are none or the mean is not finite.
+/// The mean of the points of nonzero rows; `None` without such rows or if it is not finite.
 fn mean(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Option<[f64; 3]> {
     let moving = (0..x.len()).filter(|&i| !laplacian.is_fixed(i));
     let (sum, count) = moving.fold(([0.0; 3], 0.0), |(s, n), i| {

@@ -93,7 +93,8 @@ pub enum SparseError {
     },
     /// A custom ordering is not a permutation of the rows.
     #[error(
-        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row {entry} repeated or out of range"
+        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row \
+         {entry} repeated or out of range"
     )]
     NotAnOrdering {
         /// Length of the ordering.
@@ -136,7 +137,8 @@ pub enum SparseError {
     },
     /// Rounding leaves fewer than half of the digits of a solution.
     #[error(
-        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than half of the digits of its solution would be correct"
+        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than \
+         half of the digits of its solution would be correct"
     )]
     IllConditioned {
         /// An estimate of the condition of the matrix scaled to a unit diagonal.
@@ -147,30 +149,6 @@ pub enum SparseError {
     TooLarge {
         /// The number of rows of the matrix.
         rows: usize,
-    },
-    /// A diagonal entry is not positive, so the matrix is not positive definite.
-    #[error("diagonal entry {value:e} of row {row} is not positive")]
-    Diagonal {
-        /// The row.
-        row: usize,
-        /// Its diagonal entry.
-        value: f64,
-    },
-    /// A matrix of conjugate gradients is not square, or a vector has other rows than the matrix.
-    #[error("a {rows} × {columns} matrix with a vector of {length} rows")]
-    Size {
-        /// Rows of the matrix.
-        rows: usize,
-        /// Columns of the matrix.
-        columns: usize,
-        /// Rows of the vector.
-        length: usize,
-    },
-    /// The right-hand side or the initial guess contains an infinity or NaN.
-    #[error("row {row} of the right-hand side or of the initial guess is not finite")]
-    VectorNotFinite {
-        /// The first such row.
-        row: usize,
     },
     /// A search direction p has pᵀ A p ≤ 0: the matrix is not positive definite.
     #[error("the matrix is not positive definite: pᵀAp = {curvature:e} in iteration {iteration}")]

@@ -39,8 +39,7 @@ use ndarray_linalg as _;
 
 pub use chebyshev::ChebyshevSeries;
 pub use conjugate_gradients::{
-    CgOptions, CgSolution, CgSystem, ConjugateGradient, FieldOperator, conjugate_gradients,
-    product_by_rows,
+    CgOptions, CgSolution, FieldOperator, conjugate_gradients, product_by_rows,
 };
 #[cfg(feature = "faer")]
 pub use convert::{from_faer, to_faer};

@@ -1,8 +1,8 @@
 //! Runs a kernel compiled for the widest vectors of this processor.
 
-/// A kernel. Its `call` and all it calls must be `#[inline(always)]`, closures included (so there
-/// are none): what is not inlined is compiled for the oldest processor, where a fused multiply-add
-/// is a function call.
+/// A kernel. Its `call` and all functions it calls must be `#[inline(always)]`, which closures
+/// cannot be: a function that is not inlined is compiled for the oldest processor, where a fused
+/// multiply-add is a function call.
 pub(crate) use pulp::NullaryFnOnce as Kernel;
 
 /// Calls the kernel with the processor's vector instructions enabled.

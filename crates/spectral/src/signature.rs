@@ -47,8 +47,8 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     spread(from, to, count).map(libm::exp).collect()
 }
 
-/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln ωᵢ)² / 2σ²) / Σ exp(−(e − ln ωᵢ)² /
-/// 2σ²), over the ω above zero.
+/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln ωᵢ)² / 2σ²) /
+/// Σ exp(−(e − ln ωᵢ)² / 2σ²), over the ω above zero.
 ///
 /// The probability density, by area, of finding at x a quantum particle of log-normal energy around
 /// e, with the deviation σ in ln ω: those of [`wave_kernel_energies`] are those of the source. In

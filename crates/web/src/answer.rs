@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fairing_mesh::TriMesh;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 /// The answer to a request.
 #[derive(Debug, Clone)]
@@ -83,6 +83,11 @@ impl From<Value> for Answer {
 }
 
 impl Answer {
+    /// An answer whose object has one entry.
+    pub(crate) fn entry(name: &str, value: impl Into<Value>) -> Self {
+        Value::Object(Map::from_iter([(name.to_owned(), value.into())])).into()
+    }
+
     /// The answer with another array.
     pub(crate) fn with(mut self, name: &'static str, array: Array) -> Self {
         self.arrays.push((name, array));

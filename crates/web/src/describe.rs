@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use fairing::task;
-use fairing_evaluation::{ScoreOptions, Scores, drift, feature_edges, normal_error};
-use fairing_mesh::{Diagnosis, TriMesh};
+use fairing_evaluation::{ScoreOptions, Scores};
+use fairing_mesh::Diagnosis;
 use fairing_operators::curvature::angle_defect;
 use fairing_parameters::Options as _;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
-use serde_json::json;
 
 use crate::answer::Answer;
 use crate::meshes::{Meshes, names};
@@ -19,11 +18,11 @@ use crate::tasks::CompareOptions;
 pub(crate) fn info(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let held = meshes.held(request, "mesh")?;
     let mut value = serde_json::to_value(Diagnosis::new(&held.mesh))?;
-    value["fields"] = json!(names(&held.fields));
-    value["total_curvature"] = json!(angle_defect(&held.mesh).iter().sum::<f64>());
+    value["fields"] = names(&held.fields).into();
+    value["total_curvature"] = angle_defect(&held.mesh).iter().sum::<f64>().into();
     if request.flag("roughest") {
         let roughest = largest_eigenvalue(&held.mesh, Diffusion::uniform(1.0));
-        value["roughest_eigenvalue"] = json!(roughest.ok());
+        value["roughest_eigenvalue"] = roughest.ok().into();
     }
     Ok(value.into())
 }
@@ -39,17 +38,8 @@ pub(crate) fn compare(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answ
         feature_angle: options.feature_angle,
     };
     if request.flag("matching") {
-        return matching(&mesh, &reference, options.feature_angle);
+        return Ok(task::matching_scores(&mesh, &reference, options.feature_angle)?.into());
     }
     let scores = Scores::new(&mesh, &reference, &options)?;
     Ok(task::scores(&scores).into())
-}
-
-fn matching(mesh: &TriMesh, reference: &TriMesh, feature_angle: f64) -> Result<Answer> {
-    let value = json!({
-        "normal_mean": normal_error(mesh, reference)?.mean,
-        "volume_drift": drift(mesh, reference).volume,
-        "feature_f_score": feature_edges(mesh, reference, feature_angle)?.f_score(),
-    });
-    Ok(value.into())
 }

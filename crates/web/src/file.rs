@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result, ensure};
 use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, Format, MeshFile, Reader, VertexFields, WriteOptions};
 use fairing_operators::vertex_normals;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::answer::{Answer, Array};
 use crate::meshes::{Meshes, names};
@@ -27,7 +27,7 @@ pub(crate) fn read(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer>
     let file = reader.read_bytes(request.text("name")?, request.bytes)?;
     let MeshFile { mesh, fields, report, .. } = file;
     let mut value = serde_json::to_value(&report)?;
-    value["text"] = json!(report.to_string());
+    value["text"] = report.to_string().into();
     Ok(meshes.keep(mesh, fields, Default::default(), value))
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn losses(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answe
     let held = meshes.held(request, "mesh")?;
     let losses = Format::ALL.map(|format| {
         let lost = io::unsupported(format, &held.fields);
-        (format.extensions()[0].to_owned(), json!(lost))
+        (format.extensions()[0].to_owned(), lost.into())
     });
     Ok(Value::Object(Map::from_iter(losses)).into())
 }
@@ -75,15 +75,14 @@ pub(crate) fn adopt(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
 pub(crate) fn others(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let held = meshes.held(request, "mesh")?;
     let (fields, bytes) = parts::packed(&held.fields, &held.computed);
-    Ok(Answer::from(json!({ "fields": fields })).with("bytes", Array::Bytes(bytes)))
+    Ok(Answer::entry("fields", fields).with("bytes", Array::Bytes(bytes)))
 }
 
 /// Positions, faces and vertex normals of `mesh`.
 pub(crate) fn mesh(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
     let held = meshes.held(request, "mesh")?;
     let normals = vertex_normals(&held.mesh).into_flattened();
-    let value = json!({ "fields": names(&held.fields) });
-    Ok(Answer::from(value)
+    Ok(Answer::entry("fields", names(&held.fields))
         .with("positions", Array::Positions(Arc::clone(&held.mesh)))
         .with("faces", Array::Faces(Arc::clone(&held.mesh)))
         .with("normals", Array::Numbers(normals)))
@@ -96,5 +95,5 @@ pub(crate) fn field(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer
     let values = held.fields.scalar(name).with_context(|| format!("there is no field {name:?}"))?;
     let computed = parts::is_computed(&held.computed, "scalar", name);
     let values = Array::Numbers(values.to_vec());
-    Ok(Answer::from(json!({ "computed": computed })).with("values", values))
+    Ok(Answer::entry("computed", computed).with("values", values))
 }

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use fairing::task::{fields, undefined_because};
+use fairing::task::{self, fields, undefined_because};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::Options as _;
 use fairing_spectral::{self as spectral, HeatGeodesics, Spectrum, SpectrumOptions};
 use fairing_watch as watch;
-use serde_json::json;
 
 use crate::answer::{Answer, Array};
 use crate::meshes::{Held, Meshes};
@@ -27,10 +26,10 @@ pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<An
     let field = estimator.estimate(&*held.surface()?)?;
     let replaced = keep_curvature(held, &field);
     let mut value = held.listed(&replaced);
-    value["method"] = json!(estimator.name());
-    value["undefined_because"] = json!(undefined_because(&field));
-    value["too_thin_face"] = json!(field.too_thin);
-    value["narrowed"] = json!(field.narrowed);
+    value["method"] = estimator.name().into();
+    value["undefined_because"] = undefined_because(&field).into();
+    value["too_thin_face"] = field.too_thin.into();
+    value["narrowed"] = field.narrowed.into();
     Ok(value.into())
 }
 
@@ -67,7 +66,7 @@ pub(crate) fn distance(meshes: &mut Meshes, request: &Request<'_>) -> Result<Ans
     let distance = found.into_iter().map(|d| d.unwrap_or(-1.0)).collect();
     let replaced = held.set("distance", distance).then_some("distance");
     let mut value = held.listed(replaced.as_slice());
-    value["unreached"] = json!(unreached);
+    value["unreached"] = unreached.into();
     Ok(value.into())
 }
 
@@ -76,8 +75,7 @@ pub(crate) fn spectrum(meshes: &mut Meshes, request: &Request<'_>) -> Result<Ans
     let options = SpectrumTask::with("spectrum", &request.values()?)?.unwrap_or_default();
     let held = meshes.held(request, "mesh")?;
     let modes = modes(held, &options)?;
-    let value = json!({ "certified": modes.certified, "split": modes.split(modes.len()) });
-    Ok(Answer::from(value)
+    Ok(Answer::from(task::modes(&modes))
         .with("values", Array::Numbers(modes.values.to_vec()))
         .with("residuals", Array::Numbers(modes.residuals.to_vec()))
         .with("sizes", Array::Numbers(sizes(&held.mesh, &modes)?)))

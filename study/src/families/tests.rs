@@ -94,7 +94,7 @@ fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String>
     wrong
 }
 
-/// Shears turn no face over; a seed always gives the same bytes.
+/// No shear flips a face; a seed always gives the same bytes.
 #[test]
 fn warped_bodies_keep_their_faces() {
     for seed in 0..12 {

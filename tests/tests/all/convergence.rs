@@ -171,8 +171,8 @@ fn plain_curvature_converges_on_the_icosphere() {
     }
 }
 
-/// For points on a unit sphere (xⱼ − xᵢ)·xᵢ = −½ ‖xⱼ − xᵢ‖², so the scaled umbrella is exact along
-/// the true normal on any mesh.
+/// For points on a unit sphere (xⱼ − xᵢ)·xᵢ = −½ ‖xⱼ − xᵢ‖², so the scaled umbrella is exact
+/// along the true normal on any mesh.
 #[test]
 fn the_scaled_umbrella_is_exact_on_a_sphere() {
     let mesh = (JITTERED[0].mesh)(2);

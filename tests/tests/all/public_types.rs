@@ -78,11 +78,10 @@ all_shared!(
     // sparse
     fairing::sparse::Beyond,
     fairing::sparse::CgOptions,
-    fairing::sparse::CgSolution<Vec<f64>>,
+    fairing::sparse::CgSolution,
     fairing::sparse::ChebyshevSeries,
     fairing::sparse::Cholesky,
     fairing::sparse::GraphSystem,
-    fairing::sparse::ConjugateGradient<'static>,
     fairing::sparse::EigenOptions,
     fairing::sparse::EigenPairs,
     fairing::sparse::FieldOperator<fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3]>,

@@ -136,7 +136,8 @@ fn height(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let found = chrome.run(
         "(() => {
            const root = document.documentElement;
-           const cut = [...document.querySelectorAll('.wide')].filter((w) => w.checkVisibility() && w.scrollWidth > w.clientWidth);
+           const cut = [...document.querySelectorAll('.wide')]
+             .filter((w) => w.checkVisibility() && w.scrollWidth > w.clientWidth);
            return [root.scrollHeight, root.scrollWidth, cut.length];
          })()",
     )?;
@@ -200,7 +201,8 @@ const SEE: &str = "async (href) => {
   }
   if (!view) {
     const tip = figure.querySelector('.tip');
-    return !text || (!tip.hidden && tip.textContent.includes(text)) ? '' : `the line is not marked: ${tip?.textContent}`;
+    return !text || (!tip.hidden && tip.textContent.includes(text)) 
+      ? '' : `the line is not marked: ${tip?.textContent}`;
   }
   if (view.stages) return view.toText().startsWith(text) ? '' : view.toText();
   const [, stops, field, , , , k] = text.split('!');
@@ -215,8 +217,10 @@ fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let found = chrome.run(
         "(() => {
            const ids = [...document.querySelectorAll('[id]')].map((e) => e.id);
-           const odd = ids.filter((id) => !/^[A-Za-z][A-Za-z0-9-]*$/.test(id) || ids.indexOf(id) !== ids.lastIndexOf(id));
-           const captions = [...document.querySelectorAll('figcaption')].map((c) => c.textContent.replace(/^Figure \\d+\\. /, ''));
+           const odd = ids.filter((id) => !/^[A-Za-z][A-Za-z0-9-]*$/.test(id)
+             || ids.indexOf(id) !== ids.lastIndexOf(id));
+           const captions = [...document.querySelectorAll('figcaption')]
+             .map((c) => c.textContent.replace(/^Figure \\d+\\. /, ''));
            return [odd, captions.filter((c) => /^(Compare|Drag|Look|Move|Turn|Watch|Click|See)\\b/.test(c))];
          })()",
     )?;

@@ -72,7 +72,8 @@ window.task = (name, values = {}) => {
   for (const [key, value] of Object.entries(values)) laboratory.forms[name].inputs.get(key).value = value;
 };
 window.seen = () => [...document.querySelectorAll('.panels canvas')].map((c) => (
-  c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)));
+  c.getContext('2d').getImageData(0, 0, c.width, c.height).data
+    .reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)));
 0";
 
 /// Opens the page; `after` is the part of its address after `#`.
@@ -129,14 +130,16 @@ fn tasks(chrome: &mut Chrome, report: &Path) -> Result<()> {
         "(async () => {
            await sample('torus');
            const found = [];
-           for (const name of ['noise', 'denoise', 'smooth', 'curvature', 'spectrum', 'reconstruct', 'distance', 'repair', 'compare']) {
+           const verbs = 'noise denoise smooth curvature spectrum reconstruct distance repair compare';
+           for (const name of verbs.split(' ')) {
              const before = seen().join();
              task(name, name === 'distance' ? {sources: '0'} : {});
              if (!laboratory.part.add.hidden) await press('add');
              else await press('run');
              found.push([name, laboratory.part.words.className, laboratory.took < Infinity, seen().join() !== before]);
            }
-           return [found, laboratory.steps.map((s) => s.request.verb), [...laboratory.last.fields.keys()], laboratory.part.info.textContent];
+           return [found, laboratory.steps.map((s) => s.request.verb), [...laboratory.last.fields.keys()],
+             laboratory.part.info.textContent];
          })()",
     )?;
     for one in tasks[0].as_array().into_iter().flatten() {
@@ -170,7 +173,8 @@ fn sliders(chrome: &mut Chrome, report: &Path) -> Result<()> {
            laboratory.took = 0;
            const {place, inputs} = laboratory.forms.noise;
            const [slider, number] = [place.querySelector('input[type=range]'), inputs.get('sigma')];
-           const sigma = () => [laboratory.steps.length, laboratory.last.request.values.sigma, number.value, Number(slider.value)];
+           const sigma = () => [laboratory.steps.length, laboratory.last.request.values.sigma,
+             number.value, Number(slider.value)];
            const move = (input, value, name) => act(() => {
              input.value = value;
              input.dispatchEvent(new Event(name));
@@ -197,8 +201,10 @@ fn history(chrome: &mut Chrome, report: &Path) -> Result<()> {
                await new Promise((go) => setTimeout(go, 100));
              }
            };
-           const state = async () => `${laboratory.steps.length} ${laboratory.last.arrays.positions.reduce((s, x) => s + x * x, 0)} ${await settled()}`;
-           const key = (shiftKey) => act(() => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: shiftKey ? 'Z' : 'z', ctrlKey: true, shiftKey, bubbles: true})));
+           const size = () => laboratory.last.arrays.positions.reduce((s, x) => s + x * x, 0);
+           const state = async () => `${laboratory.steps.length} ${size()} ${await settled()}`;
+           const key = (shiftKey) => act(() => document.body.dispatchEvent(new KeyboardEvent('keydown',
+             {key: shiftKey ? 'Z' : 'z', ctrlKey: true, shiftKey, bubbles: true})));
            await sample('block');
            const states = [await state()];
            task('noise');
@@ -271,7 +277,8 @@ const STEPS: &str = "(async () => {
   }
   const fields = Object.fromEntries([...laboratory.last.fields].map(([name, values]) => [name, [...values]]));
   const listed = [...laboratory.part.steps.lastChild.querySelectorAll('li')].map((li) => li.textContent);
-  return [all, laboratory.part.words.textContent, laboratory.part.language.querySelector('[value=link]').disabled, fields, listed];
+  return [all, laboratory.part.words.textContent,
+    laboratory.part.language.querySelector('[value=link]').disabled, fields, listed];
 })()";
 
 /// The program and the crates do what the page did. The package for Python runs the third text in

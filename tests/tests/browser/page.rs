@@ -42,7 +42,8 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const seen = (e) => e.getClientRects().length > 0;
            const stages = [...document.querySelectorAll('.view .stage')].filter(seen).length;
            const pictures = [...document.querySelectorAll('.view .paper img')].filter(seen).length;
-           const cut = [...document.querySelectorAll('.wide')].filter((w) => getComputedStyle(w).overflowX !== 'visible').length;
+           const cut = [...document.querySelectorAll('.wide')]
+             .filter((w) => getComputedStyle(w).overflowX !== 'visible').length;
            return [stages, pictures, cut];
          })()",
     )?;
@@ -57,9 +58,11 @@ fn folds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let found = chrome.run(
         "(() => {
            const q5 = document.getElementById('q5');
-           const seen = (what) => [...q5.querySelectorAll(what)].filter((e) => e.checkVisibility()).map((e) => e.id || e.dataset.section);
+           const seen = (what) => [...q5.querySelectorAll(what)]
+             .filter((e) => e.checkVisibility()).map((e) => e.id || e.dataset.section);
            const lines = [...q5.querySelectorAll('details > summary')].map((s) => s.textContent);
-           return [seen('figure.view, figure.play'), seen('svg.figure'), lines, q5.querySelectorAll('details[open]').length];
+           return [seen('figure.view, figure.play'), seen('svg.figure'), lines,
+             q5.querySelectorAll('details[open]').length];
          })()",
     )?;
     ensure!(found[0] == json!(["play-diffusion", "q5-flow"]), "views that are seen: {found}");
@@ -85,7 +88,8 @@ fn unfolds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let hidden = "(() => {
        const folds = [...document.querySelectorAll('main details:not(.rows)')];
-       const closed = folds.filter((d) => ![...d.children].slice(1).every((e) => e.checkVisibility() && e.getBoundingClientRect().height > 0));
+       const closed = folds.filter((d) => ![...d.children].slice(1)
+         .every((e) => e.checkVisibility() && e.getBoundingClientRect().height > 0));
        return [folds.length, closed.length, folds.filter((d) => d.open).length];
      })()";
     let screen = chrome.run(hidden)?;
@@ -127,7 +131,8 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const parts = [...box.querySelectorAll('math')];
            const tall = parts.map((math) => Math.max(...[...math.querySelectorAll('mo')].map(height)) / height(math));
            return [document.documentElement.scrollWidth, box.scrollWidth > box.clientWidth,
-                   Math.max(...tall), box.textContent, new Set(parts.map((math) => math.getBoundingClientRect().top)).size, parts.length,
+                   Math.max(...tall), box.textContent,
+                   new Set(parts.map((math) => math.getBoundingClientRect().top)).size, parts.length,
                    getComputedStyle(box).overflowY, box.scrollHeight - box.clientHeight];
          })()",
     )?;
@@ -229,7 +234,8 @@ fn words(chrome: &mut Chrome, page: &Path) -> Result<()> {
 fn sizes(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let unknown = chrome.number(
-        "[...document.querySelectorAll('img')].filter((p) => !(p.getAttribute('width') > 0 && p.getAttribute('height') > 0)).length",
+        "[...document.querySelectorAll('img')]
+           .filter((p) => !(p.getAttribute('width') > 0 && p.getAttribute('height') > 0)).length",
     )?;
     ensure!(unknown == 0.0, "{unknown} pictures without width and height");
     Ok(())

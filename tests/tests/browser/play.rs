@@ -146,7 +146,8 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
                const p = fairing.views.get('play-noise');
                await p.fromText('0.1~8~{surface}~error');
                const n = p.now;
-               return [[...n.positions], [...p.mesh.faces], [...n.mean], [...n.gaussian], n.total, p.errors(n), p.result.textContent];
+               return [[...n.positions], [...p.mesh.faces], [...n.mean], [...n.gaussian], n.total,
+                 p.errors(n), p.result.textContent];
              }})()"
         ))?;
         let noisy = mesh(&found)?;
@@ -260,7 +261,8 @@ fn modes(chrome: &mut Chrome, page: &Path) -> Result<()> {
                const v = fairing.views.get('q5-sum');
                v.fromText('!!!!!!{k}');
                v.settle();
-               return [[...v.positions(v.meshes[0])], v.sum.slider.words?.textContent ?? '', v.shown[0].bar.textContent];
+               return [[...v.positions(v.meshes[0])], v.sum.slider.words?.textContent ?? '',
+                 v.shown[0].bar.textContent];
              }})()"
         ))?;
         let mut expected = vec![[0.0; 3]; ball.vertex_count()];
@@ -307,12 +309,14 @@ fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const of = async (name) => {
              v.change({field: name});
              await v.asked;
-             const picture = v.shown[1].target.getImageData(0, 0, v.shown[1].canvas.width, v.shown[1].canvas.height).data;
+             const {target, canvas} = v.shown[1];
+             const picture = target.getImageData(0, 0, canvas.width, canvas.height).data;
              const digest = picture.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7);
              return [name, [...v.values(mesh)], digest, v.shown[1].bar.textContent];
            };
            const all = [];
-           for (const name of ['displacement', 'distance off the truth', 'normal error', 'mean curvature']) all.push(await of(name));
+           const names = ['displacement', 'distance off the truth', 'normal error', 'mean curvature'];
+           for (const name of names) all.push(await of(name));
            return [...all, [[...v.positions(mesh)], [...mesh.faces]]];
          })()",
     )?;
@@ -431,7 +435,9 @@ fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
 /// Plots and numbers work without WebGL, and sliders move by keys.
 fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let script = "const before = HTMLCanvasElement.prototype.getContext;
-      HTMLCanvasElement.prototype.getContext = function (kind) { return kind === '2d' ? before.apply(this, arguments) : null; };";
+      HTMLCanvasElement.prototype.getContext = function (kind) {
+        return kind === '2d' ? before.apply(this, arguments) : null;
+      };";
     chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
     chrome.open(&format!("file://{}", page.display()))?;
     let before = chrome.run(

@@ -32,7 +32,11 @@ pub(crate) fn truth() -> TriMesh {
 }
 
 /// A formula wider than a telephone.
-const FORMULA: &str = r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right), \qquad \varphi_i^T M \varphi_j = \delta_{ij}, \qquad \varphi_i^T S \varphi_j = \lambda_i \delta_{ij}";
+const FORMULA: &str = concat!(
+    r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2} ",
+    r"= a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right), ",
+    r"\qquad \varphi_i^T M \varphi_j = \delta_{ij}, \qquad \varphi_i^T S \varphi_j = \lambda_i \delta_{ij}",
+);
 
 /// Half way to the mean of the neighbours.
 fn smoothed(mesh: &TriMesh) -> TriMesh {

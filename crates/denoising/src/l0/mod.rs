@@ -17,7 +17,7 @@ use system::System;
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
-const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, measure: false };
+const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200 };
 
 fairing_parameters::options! {
     /// Options of [`l0`].
@@ -119,7 +119,7 @@ fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseErro
         let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
             product_by_rows(p, q, |v| if input.is_fixed(v) { p[v] } else { system.row(v, p) })
         });
-        positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).0.x;
+        positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).x;
         beta *= options.growth;
         alpha *= 0.5;
         fairing_watch::advance(1);

@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::evaluation::SurfaceTree;
 use fairing::mesh::io::Format;
-use fairing::spectral::{
-    GeodesicPath, HeatGeodesics, Isoline, SurfacePoint, geodesic_path, isolines,
-};
-use serde_json::{Value, json};
+use fairing::spectral::{HeatGeodesics, SurfacePoint, geodesic_path, isolines};
+use fairing::task::{self, GeodesicLines};
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
@@ -94,12 +93,6 @@ fn source(text: &str) -> Result<Source, String> {
     }
 }
 
-/// The lines of one mesh.
-struct Lines {
-    paths: Vec<(u32, GeodesicPath)>,
-    isolines: Vec<(f64, Vec<Isoline>)>,
-}
-
 impl Geodesic {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.output.is_given() || self.lines.is_none() {
@@ -139,7 +132,7 @@ impl Geodesic {
             files::write_held(context, output, &surface.own, &fields)?;
         }
         self.say(context, &surface, &sources, &lines);
-        let summary = summary(&surface, &sources, &distance, &lines);
+        let summary = task::geodesic(mesh, &sources, &distance, &lines, |v| surface.in_file(v));
         if self.summary.is_wanted() {
             return Ok(surface.add_to(summary));
         }
@@ -168,7 +161,7 @@ impl Geodesic {
         surface: &Surface,
         sources: &[SurfacePoint],
         distance: &[Option<f64>],
-    ) -> Result<Lines, Failure> {
+    ) -> Result<GeodesicLines, Failure> {
         let mesh = surface.mesh();
         let trace = |&v: &u32| {
             let path = geodesic_path(mesh, distance, sources, surface.number(v));
@@ -177,7 +170,7 @@ impl Geodesic {
         let paths: Result<_, Failure> = self.starts.iter().map(trace).collect();
         let mut rings = vec![];
         if let Some(spacing) = self.isolines {
-            let count = (farthest(distance).map_or(0.0, |(_, d)| d) / spacing).floor();
+            let count = (task::farthest(distance).map_or(0.0, |(_, d)| d) / spacing).floor();
             if count > MAX_ISOLINES {
                 return Err(Failure::usage(format_args!(
                     "--isolines {spacing} would draw {count} isolines, more than {MAX_ISOLINES}"
@@ -188,11 +181,17 @@ impl Geodesic {
                 rings.push((level, isolines(mesh, distance, level)?));
             }
         }
-        Ok(Lines { paths: paths?, isolines: rings })
+        Ok(GeodesicLines { paths: paths?, isolines: rings })
     }
 
     /// Notes how far points are from the surface, and paths that end away from a source.
-    fn say(&self, context: &Context, surface: &Surface, sources: &[SurfacePoint], lines: &Lines) {
+    fn say(
+        &self,
+        context: &Context,
+        surface: &Surface,
+        sources: &[SurfacePoint],
+        lines: &GeodesicLines,
+    ) {
         let mesh = surface.mesh();
         for (source, point) in self.from.iter().zip(sources) {
             if let Source::Point(wanted) = source {
@@ -217,49 +216,12 @@ impl Geodesic {
     }
 }
 
-/// The vertex with the largest distance, and that.
-fn farthest(distance: &[Option<f64>]) -> Option<(u32, f64)> {
-    let reached = distance.iter().enumerate().filter_map(|(v, d)| d.map(|d| (v as u32, d)));
-    reached.reduce(|best, next| if next.1 > best.1 { next } else { best })
-}
-
 fn length(points: &[[f64; 3]]) -> f64 {
     let steps = points.windows(2).map(|pair| {
         let square: f64 = (0..3).map(|k| (pair[0][k] - pair[1][k]).powi(2)).sum();
         square.sqrt()
     });
     steps.sum()
-}
-
-fn summary(
-    surface: &Surface,
-    sources: &[SurfacePoint],
-    distance: &[Option<f64>],
-    lines: &Lines,
-) -> Value {
-    let mesh = surface.mesh();
-    let paths = lines.paths.iter().map(|(start, path)| {
-        json!({
-            "from": start,
-            "length": path.length(),
-            "points": path.points.len(),
-            "end": path.end.map(|v| surface.in_file(v)),
-        })
-    });
-    let isolines = lines.isolines.iter().map(|(level, pieces)| {
-        let total: f64 = pieces.iter().map(Isoline::length).sum();
-        json!({ "distance": level, "length": total, "pieces": pieces.len() })
-    });
-    json!({
-        "sources": sources.iter().map(|source| source.position(mesh)).collect::<Vec<_>>(),
-        "vertices": distance.len(),
-        "unreached": distance.iter().filter(|d| d.is_none()).count(),
-        "farthest": farthest(distance).map(|(v, d)| {
-            json!({ "vertex": surface.in_file(v), "distance": d })
-        }),
-        "paths": paths.collect::<Vec<_>>(),
-        "isolines": isolines.collect::<Vec<_>>(),
-    })
 }
 
 fn table(summary: &Value) -> Table {
@@ -278,7 +240,7 @@ fn table(summary: &Value) -> Table {
 }
 
 /// Paths and isolines as the polylines of an OBJ file; points in the same place are one vertex.
-fn obj(lines: &Lines) -> String {
+fn obj(lines: &GeodesicLines) -> String {
     let (mut vertices, mut elements) = (String::new(), String::new());
     let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
     let mut line = |points: &[[f64; 3]]| {

@@ -7,7 +7,8 @@ use fairing::mesh::TriMesh;
 use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
 use fairing::sparse::larger;
 use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
-use serde_json::{Value, json};
+use fairing::task;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{Content, OptionalOutput};
@@ -162,14 +163,7 @@ impl Spectrum {
         warn_of_split(context, modes.split(self.k), self.k, "-k");
         warn_of_residuals(context, &modes);
         if self.summary.is_wanted() {
-            return Ok(json!({
-                "gap_below": modes.gap_below(self.k),
-                "gap_above": modes.gap_above(self.k),
-                "eigenvalues": modes.values,
-                "residuals": modes.residuals,
-                "certified": modes.certified,
-                "operator": laplacian.kind().name(),
-            }));
+            return Ok(task::spectrum(&modes, self.k, laplacian.kind()));
         }
         let mut table = Table::new();
         table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));

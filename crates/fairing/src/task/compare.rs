@@ -1,6 +1,7 @@
 //! Scoring a mesh against a reference.
 
-use fairing_evaluation::Scores;
+use fairing_evaluation::{EvaluationError, Scores, drift, feature_edges, normal_error};
+use fairing_mesh::TriMesh;
 use serde_json::{Value, json};
 
 use super::object;
@@ -28,4 +29,22 @@ pub fn scores(scores: &Scores) -> Value {
         }
     });
     json!({ "diagonal": scores.diagonal, "scores": entries.collect::<Vec<_>>() })
+}
+
+/// The scores that compare elements of the same number: the mean angle between normals, the drift
+/// of the volume, and the F score of edges sharper than `feature_angle` degrees.
+///
+/// # Errors
+///
+/// [`EvaluationError`] if the meshes do not correspond.
+pub fn matching_scores(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+    feature_angle: f64,
+) -> Result<Value, EvaluationError> {
+    Ok(json!({
+        "normal_mean": normal_error(mesh, reference)?.mean,
+        "volume_drift": drift(mesh, reference).volume,
+        "feature_f_score": feature_edges(mesh, reference, feature_angle)?.f_score(),
+    }))
 }

@@ -4,23 +4,23 @@ use std::collections::BTreeMap;
 
 use fairing_operators::curvature::{CurvatureField, VertexStatus};
 use fairing_sparse::median;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::object;
 
 /// The report of a curvature by an estimator: the numbers of vertices without a value, for each
 /// reason, and of those on the boundary; and the range and the median of each field over the
-/// interior vertices, null if there are none. `accuracy` is null if the estimator has no errors.
+/// interior vertices, null without interior vertices. `accuracy` is null if the estimator has no
+/// errors.
 pub fn curvature(estimator: &'static str, field: &CurvatureField) -> Value {
-    let reasons = undefined_because(field);
     let ranges = |columns: &[Column<'_>]| {
         object(columns.iter().map(|(name, values)| (*name, spread(field, values))))
     };
     json!({
         "estimator": estimator,
         "vertices": field.len(),
-        "undefined": reasons.values().sum::<usize>(),
-        "undefined_because": reasons,
+        "undefined": field.status.iter().filter(|status| !status.is_defined()).count(),
+        "undefined_because": undefined_because(field),
         "too_thin_face": field.too_thin,
         "narrowed": field.narrowed,
         "boundary": field.boundary.iter().filter(|boundary| **boundary).count(),
@@ -42,14 +42,14 @@ fn spread(field: &CurvatureField, values: &[f64]) -> Value {
 }
 
 /// The number of vertices without a value for each reason.
-pub fn undefined_because(field: &CurvatureField) -> BTreeMap<String, usize> {
-    let mut reasons = BTreeMap::new();
+pub fn undefined_because(field: &CurvatureField) -> Map<String, Value> {
+    let mut reasons = BTreeMap::<String, usize>::new();
     for status in &field.status {
         if let VertexStatus::Undefined(reason) = status {
             *reasons.entry(reason.to_string()).or_default() += 1;
         }
     }
-    reasons
+    reasons.into_iter().map(|(reason, count)| (reason, count.into())).collect()
 }
 
 /// Columns of numbers or of vectors with their names.

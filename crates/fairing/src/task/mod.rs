@@ -7,19 +7,23 @@
 mod compare;
 mod curvature;
 mod denoise;
+mod geodesic;
 mod inspect;
 mod noise;
 mod repair;
 mod smooth;
+mod spectrum;
 mod tables;
 
-pub use compare::{compare, scores};
+pub use compare::{compare, matching_scores, scores};
 pub use curvature::{Columns, curvature, fields, undefined_because};
 pub use denoise::denoise;
+pub use geodesic::{GeodesicLines, farthest, geodesic};
 pub use inspect::{diagnosis, file, read};
 pub use noise::{Unit, noise_kind};
 pub use repair::{counts, repair};
 pub use smooth::smooth;
+pub use spectrum::{modes, spectrum};
 pub use tables::method;
 
 use serde_json::{Map, Value};

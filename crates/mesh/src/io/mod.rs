@@ -88,7 +88,6 @@ pub use read::{MeshFile, read};
 pub use report::{ReadReport, WriteReport};
 pub use row::Holds;
 #[cfg(feature = "files")]
-#[doc(hidden)]
 pub use whole::{check_writable, discard_unfinished, write_whole};
 pub use write::{to_bytes, unsupported, write_to};
 #[cfg(feature = "files")]

@@ -175,7 +175,7 @@ fn encode(
             }
         };
         if let Some(why) = why {
-            split_polygons = polygons.larger();
+            split_polygons = polygons.non_triangles();
             split.push(format!("{split_polygons} polygons are split into triangles: {why}"));
         }
     }

@@ -38,7 +38,7 @@ impl PolygonMesh {
         let (corners, crossing) = triangles(&self);
         let vertices = |corners: &[usize; 3]| corners.map(|k| self.faces.corners[k]);
         let faces = corners.iter().map(vertices).collect();
-        let polygons = (self.faces.larger() > 0).then_some(self.faces);
+        let polygons = (self.faces.non_triangles() > 0).then_some(self.faces);
         let mesh = TriMesh::from_polygons_checked(self.positions, faces, polygons);
         (mesh, corners, crossing)
     }

@@ -46,7 +46,6 @@ pub use cotangent::{CotangentOptions, cotangent_curvature};
 pub use estimator::Estimator;
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::{Accuracy, CurvatureField};
-#[doc(hidden)]
 pub use fit::PrincipalAxes;
 pub use from_laplacian::{laplacian_curvature, laplacian_mean_curvature};
 pub use gaussian::{angle_defect, gaussian_curvature};

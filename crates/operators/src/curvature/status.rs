@@ -22,7 +22,7 @@ impl fmt::Display for Undefined {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Isolated => "isolated vertex",
-            Self::NoArea => "no area around the vertex",
+            Self::NoArea => "no area around the vertex, or normals that cancel",
             Self::TooFewNeighbors => "too few neighbours",
             Self::IllConditioned => "equations not determined",
         })

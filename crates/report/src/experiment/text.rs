@@ -277,7 +277,8 @@ mod tests {
 
     static TEXT: Text = Text::new(
         "q9",
-        "+++\ntitle = \"T\"\n+++\n\n# method\n\nAt least {ratio:down}, at most\n{ratio:up}.\n\n{mesh}: {left:percent} %.\n\n# claim 9a\n\nC.\n\n# reason 9a confirmed\n\nR {n}.\n\n# finding 9a\n\nF.\n",
+        "+++\ntitle = \"T\"\n+++\n\n# method\n\nAt least {ratio:down}, at most\n{ratio:up}.\n\n\
+         {mesh}: {left:percent} %.\n\n# claim 9a\n\nC.\n\n# reason 9a confirmed\n\nR {n}.\n\n# finding 9a\n\nF.\n",
     );
 
     #[test]

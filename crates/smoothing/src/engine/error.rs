@@ -121,8 +121,9 @@ pub enum FlowFailure {
     /// A flow with an updated operator has shrunk the mesh to almost nothing: the exact surface
     /// vanishes within this step.
     #[error(
-        "the surface collapses in this step: the area of a face at vertex {vertex} is {area:e}, down from {before:e} in \
-         the input; end the flow earlier, or use the robust operator or the conformal flow, which continue"
+        "the surface collapses in this step: the area of a face at vertex {vertex} is {area:e}, down from \
+         {before:e} in the input; end the flow earlier, or use the robust operator or the conformal \
+         flow, which continue"
     )]
     Collapsed {
         /// A corner of the face that has lost the largest fraction of its area.

@@ -50,7 +50,7 @@ const EARLY: f64 = 0.9;
 
 impl Workload {
     /// Returns true if [`Cholesky`](crate::Cholesky), with the factor of a surface mesh, is
-    /// expected to be faster than [`ConjugateGradient`](crate::ConjugateGradient).
+    /// expected to be faster than conjugate gradients.
     ///
     /// # Examples
     ///

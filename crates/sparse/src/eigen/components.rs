@@ -7,7 +7,7 @@
 //! Krylov space of the whole, but an ordinary one in each copy.
 
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hasher};
+use std::collections::hash_map::Entry;
 
 use ndarray::Array2;
 
@@ -80,19 +80,9 @@ struct Part {
     pairs: EigenPairs,
 }
 
-#[derive(PartialEq)]
 enum PartMass {
     Lumped(Vec<f64>),
     Consistent(SparseMatrix),
-}
-
-/// A pair in the merge.
-#[derive(Debug, Clone, Copy)]
-struct Chosen {
-    value: f64,
-    part: usize,
-    copy: usize,
-    index: usize,
 }
 
 /// The components of S and M together; `None` if there is only one.
@@ -101,30 +91,54 @@ fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part>> {
     if groups.len() < 2 {
         return None;
     }
-    let mut parts: Vec<Part> = vec![];
-    let mut known: HashMap<u64, Vec<usize>> = HashMap::new();
     let mut places = vec![(0, 0); stiffness.rows()];
     for (group, rows) in groups.iter().enumerate() {
         for (local, &row) in rows.iter().enumerate() {
             places[row as usize] = (group as u32, local as u32);
         }
     }
-    for rows in groups {
-        let part = Part::new(stiffness, mass, rows, &places);
-        let alike = known.entry(part.hash()).or_default();
-        let equal = |&&i: &&usize| {
-            let other: &Part = &parts[i];
-            other.stiffness == part.stiffness && other.mass == part.mass
+    let (mut parts, mut known) = (Vec::<Part>::new(), HashMap::<_, usize>::new());
+    for (group, rows) in groups.into_iter().enumerate() {
+        let place = |j: u32| {
+            let (other, place) = places[j as usize];
+            (other == group as u32).then_some(place)
         };
-        match alike.iter().find(equal) {
-            Some(&i) => parts[i].copies.extend(part.copies),
-            None => {
-                alike.push(parts.len());
+        let block = |whole: &SparseMatrix| matrix::kept(whole, &rows, place);
+        let stiffness = block(stiffness);
+        let mass = match mass {
+            Mass::Lumped(d) => PartMass::Lumped(rows.iter().map(|&r| d[r as usize]).collect()),
+            Mass::Consistent(matrix) => PartMass::Consistent(block(matrix)),
+        };
+        let pairs = EigenPairs::none(rows.len());
+        let part = Part { copies: vec![rows], stiffness, mass, pairs };
+        match known.entry(part.bits()) {
+            Entry::Occupied(equal) => parts[*equal.get()].copies.extend(part.copies),
+            Entry::Vacant(new) => {
+                new.insert(parts.len());
                 parts.push(part);
             }
         }
     }
     Some(parts)
+}
+
+/// The rows of each component of S and M together, ascending, in the order of their first rows.
+fn groups(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<u32>> {
+    let s = Rows::new(stiffness);
+    let m = match mass {
+        Mass::Lumped(_) => None,
+        Mass::Consistent(matrix) => Some(Rows::new(matrix)),
+    };
+    let neighbors = |i: usize| {
+        let coupled = m.iter().flat_map(move |m| m.nonzeros(i));
+        s.nonzeros(i).chain(coupled)
+    };
+    let (count, label) = components(s.count(), |_| false, neighbors);
+    let mut groups = vec![vec![]; count];
+    for (row, label) in label.into_iter().enumerate() {
+        groups[label as usize].push(row as u32);
+    }
+    groups
 }
 
 /// The `count` smallest eigenpairs of all parts together.
@@ -138,168 +152,114 @@ fn smallest(
     let share = |part: &Part, pairs: usize| {
         (pairs as f64 * (part.mass.view().total() / total)).round() as usize
     };
-    let constants: Vec<usize> = parts
-        .iter()
-        .map(|part| nullspace::constant_components(Rows::new(&part.stiffness)).0)
-        .collect();
-    let zeros: usize = parts.iter().zip(&constants).map(|(p, c)| p.copies.len() * c).sum();
-    for (part, constants) in parts.iter_mut().zip(constants) {
-        let wanted = constants + share(part, count.saturating_sub(zeros));
-        part.solve(wanted, options)?;
+    let zeros_of = |part: &Part| nullspace::constant_components(Rows::new(&part.stiffness)).0;
+    let zeros: Vec<usize> = parts.iter().map(zeros_of).collect();
+    let all_zeros: usize = parts.iter().zip(&zeros).map(|(p, zeros)| p.copies.len() * zeros).sum();
+    for (part, zeros) in parts.iter_mut().zip(zeros) {
+        part.solve(zeros + share(part, count.saturating_sub(all_zeros)), options)?;
     }
-    loop {
-        match last_of_merge(&parts, count) {
+    let last = loop {
+        let merged = merge(&parts);
+        let missing = count.saturating_sub(merged.len());
+        let Some(last) = merged.get(count - 1).map(|last| last.value) else {
             // Too few are known: continue with the part that may have the next one.
-            None => {
-                let known: usize = parts.iter().map(|p| p.copies.len() * p.known()).sum();
-                let open = parts.iter_mut().filter(|p| p.known() < p.stiffness.rows());
-                let lowest =
-                    |a: &&mut Part, b: &&mut Part| a.clear_below().total_cmp(&b.clear_below());
-                let Some(part) = open.min_by(lowest) else { break };
-                let wanted = part.known() + share(part, count - known).max(1);
-                part.solve(wanted, options)?;
-            }
-            Some(last) => {
-                let mut complete = true;
-                for part in parts.iter_mut().filter(|p| !p.is_complete_to(last)) {
-                    complete = false;
-                    part.complete_to(last, options)?;
-                }
-                if complete {
-                    break;
-                }
-            }
+            let open = parts.iter_mut().filter(|p| p.known() < p.stiffness.rows());
+            let lowest = |a: &&mut Part, b: &&mut Part| a.clear_below().total_cmp(&b.clear_below());
+            let Some(part) = open.min_by(lowest) else { break 0.0 };
+            part.solve(part.known() + share(part, missing).max(1), options)?;
+            continue;
+        };
+        // Zeros are known from the start.
+        let mut open =
+            parts.iter_mut().filter(|p| last > 0.0 && p.clear_below() <= last).peekable();
+        if open.peek().is_none() {
+            break last;
         }
-    }
-    // These pairs meet only the tolerance of an eigenvalue beyond the merge.
-    let limit = options.residual_limit(last_of_merge(&parts, count).unwrap_or(0.0));
-    let used = used(&parts, count);
-    for (part, used) in parts.iter_mut().zip(used) {
-        let residuals = &part.pairs.residuals;
-        if used < residuals.len() && residuals[..used].iter().any(|r| *r > limit) {
-            part.solve(used, options)?;
-        }
-    }
-    // Only values are known. Another solve changes them by rounding, and maybe the merge.
+        open.try_for_each(|part| part.complete_to(last, options))?;
+    };
+    // Pairs known by value only, and pairs that meet only the tolerance of an eigenvalue beyond
+    // the merge, are computed. That changes them by rounding, and maybe the merge.
+    let limit = options.residual_limit(last);
     loop {
-        let mut complete = true;
-        let used = self::used(&parts, count);
-        for (part, used) in parts.iter_mut().zip(used) {
-            if used > part.pairs.values.len() {
-                complete = false;
-                part.solve(used, options)?;
-            }
+        let mut used = vec![0; parts.len()];
+        for chosen in merge(&parts).iter().take(count) {
+            used[chosen.part] = used[chosen.part].max(chosen.index + 1);
         }
-        if complete {
-            break;
-        }
+        let mut open = parts.iter_mut().zip(used).filter(|(part, used)| {
+            let residuals = part.pairs.residuals.get(..*used);
+            residuals.is_none_or(|r| {
+                r.len() < part.pairs.residuals.len() && r.iter().any(|r| *r > limit)
+            })
+        });
+        let Some((part, used)) = open.next() else { break };
+        part.solve(used, options)?;
     }
     Ok(assemble(&parts, rows, count))
 }
 
 /// The first `count` pairs of all parts, ascending, in the caller's rows.
 fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
-    let mut merged = merge(parts, usize::MAX);
+    let mut merged = merge(parts);
     let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, smaller);
     // Pairs known by value only come after all wanted pairs.
     let following = merged.split_off(count.min(merged.len()));
     let mut vectors = Array2::zeros((rows, merged.len()));
     for (j, chosen) in merged.iter().enumerate() {
-        let part = &parts[chosen.part];
-        for (local, &row) in part.copies[chosen.copy].iter().enumerate() {
-            vectors[[row as usize, j]] = part.pairs.vectors[[local, chosen.index]];
+        for (local, &row) in chosen.rows.iter().enumerate() {
+            vectors[[row as usize, j]] = parts[chosen.part].pairs.vectors[[local, chosen.index]];
         }
     }
+    let clear = |v: &f64| *v < clear_below || *v == 0.0;
     EigenPairs {
         values: merged.iter().map(|c| c.value).collect(),
         vectors,
         residuals: merged.iter().map(|c| parts[c.part].pairs.residuals[c.index]).collect(),
         certified: parts.iter().all(|p| p.pairs.certified),
         beyond: Beyond {
-            values: following
-                .iter()
-                .map(|c| c.value)
-                .filter(|v| *v < clear_below || *v == 0.0)
-                .collect(),
+            values: following.iter().map(|c| c.value).filter(clear).collect(),
             clear_below,
         },
     }
 }
 
+/// A known value of a copy of a part.
+struct Known<'a> {
+    value: f64,
+    part: usize,
+    /// The rows of the copy in the whole problem.
+    rows: &'a [u32],
+    /// Its index in the spectrum of the part.
+    index: usize,
+}
+
 /// The known values of all copies, ascending; equal values in the order of their components.
-fn merge(parts: &[Part], count: usize) -> Vec<Chosen> {
+fn merge(parts: &[Part]) -> Vec<Known<'_>> {
     let mut all = vec![];
-    for (p, part) in parts.iter().enumerate() {
-        for copy in 0..part.copies.len() {
-            let values = part.pairs.values.iter().chain(&part.pairs.beyond.values).enumerate();
-            all.extend(values.map(|(index, &value)| Chosen { value, part: p, copy, index }));
+    for (part, Part { copies, pairs, .. }) in parts.iter().enumerate() {
+        for rows in copies {
+            let values = pairs.values.iter().chain(&pairs.beyond.values).enumerate();
+            all.extend(values.map(|(index, &value)| Known { value, part, rows, index }));
         }
     }
-    let first_row = |c: &Chosen| parts[c.part].copies[c.copy][0];
-    all.sort_by(|a, b| {
-        let rows = || first_row(a).cmp(&first_row(b));
-        a.value.total_cmp(&b.value).then_with(rows).then(a.index.cmp(&b.index))
-    });
-    all.truncate(count);
+    let place = |known: &Known<'_>| (known.rows[0], known.index);
+    all.sort_by(|a, b| a.value.total_cmp(&b.value).then_with(|| place(a).cmp(&place(b))));
     all
 }
 
-/// The number of values that each part has among the `count` smallest.
-fn used(parts: &[Part], count: usize) -> Vec<usize> {
-    let mut used = vec![0; parts.len()];
-    for chosen in merge(parts, count) {
-        used[chosen.part] = used[chosen.part].max(chosen.index + 1);
-    }
-    used
-}
-
-/// The `count`-th smallest known value, if there are as many.
-fn last_of_merge(parts: &[Part], count: usize) -> Option<f64> {
-    let known = |part: &Part| {
-        let mut values = part.pairs.values.clone();
-        values.extend(&part.pairs.beyond.values);
-        std::iter::repeat_n(values, part.copies.len()).flatten().collect::<Vec<f64>>()
-    };
-    let mut values: Vec<f64> = parts.iter().flat_map(known).collect();
-    let index = count.checked_sub(1).filter(|i| *i < values.len())?;
-    Some(*values.select_nth_unstable_by(index, f64::total_cmp).1)
-}
-
 impl Part {
-    fn new(
-        stiffness: &SparseMatrix,
-        mass: Mass<'_>,
-        rows: Vec<u32>,
-        places: &[(u32, u32)],
-    ) -> Self {
-        let part_mass = match mass {
-            Mass::Lumped(d) => PartMass::Lumped(rows.iter().map(|&r| d[r as usize]).collect()),
-            Mass::Consistent(matrix) => PartMass::Consistent(block(matrix, &rows, places)),
+    /// The bits of its blocks.
+    fn bits(&self) -> Vec<u64> {
+        let bits_of = |matrix: &SparseMatrix| {
+            let Rows { starts, columns, values } = Rows::new(matrix);
+            let numbers = starts.iter().chain(columns).map(|&i| u64::from(i));
+            numbers.chain(values.iter().map(|v| v.to_bits())).collect::<Vec<u64>>()
         };
-        Self {
-            stiffness: block(stiffness, &rows, places),
-            mass: part_mass,
-            pairs: EigenPairs::none(rows.len()),
-            copies: vec![rows],
+        let mut bits = bits_of(&self.stiffness);
+        match &self.mass {
+            PartMass::Lumped(d) => bits.extend(d.iter().map(|m| m.to_bits())),
+            PartMass::Consistent(matrix) => bits.extend(bits_of(matrix)),
         }
-    }
-
-    /// Hash, equal for equal blocks.
-    fn hash(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        let mut add = |matrix: &SparseMatrix| {
-            let rows = Rows::new(matrix);
-            rows.columns.iter().for_each(|&c| hasher.write_u32(c));
-            rows.values.iter().for_each(|v| hasher.write_u64(v.to_bits()));
-        };
-        add(&self.stiffness);
-        if let PartMass::Consistent(matrix) = &self.mass {
-            add(matrix);
-        }
-        if let PartMass::Lumped(d) = &self.mass {
-            d.iter().for_each(|m| hasher.write_u64(m.to_bits()));
-        }
-        hasher.finish()
+        bits
     }
 
     /// Known values, with or without vectors.
@@ -314,11 +274,6 @@ impl Part {
         } else {
             self.pairs.beyond.clear_below
         }
-    }
-
-    /// Zeros are known from the start.
-    fn is_complete_to(&self, last: f64) -> bool {
-        last <= 0.0 || self.clear_below() > last
     }
 
     /// Computes at least the first `wanted` pairs.
@@ -357,33 +312,4 @@ impl PartMass {
             Self::Consistent(matrix) => Mass::Consistent(matrix),
         }
     }
-}
-
-/// The diagonal block of the rows of one group. `places`: the group of each row and its index
-/// there.
-fn block(matrix: &SparseMatrix, rows: &[u32], places: &[(u32, u32)]) -> SparseMatrix {
-    let group = places[rows[0] as usize].0;
-    matrix::kept(matrix, rows, |j| {
-        let (other, place) = places[j as usize];
-        (other == group).then_some(place)
-    })
-}
-
-/// The rows of each component of S and M together, ascending, in the order of their first rows.
-fn groups(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<u32>> {
-    let s = Rows::new(stiffness);
-    let m = match mass {
-        Mass::Lumped(_) => None,
-        Mass::Consistent(matrix) => Some(Rows::new(matrix)),
-    };
-    let neighbors = |i: usize| {
-        let coupled = m.iter().flat_map(move |m| m.nonzeros(i));
-        s.nonzeros(i).chain(coupled)
-    };
-    let (count, label) = components(s.count(), |_| false, neighbors);
-    let mut groups = vec![vec![]; count];
-    for (row, label) in label.into_iter().enumerate() {
-        groups[label as usize].push(row as u32);
-    }
-    groups
 }

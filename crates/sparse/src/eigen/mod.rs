@@ -106,9 +106,8 @@ pub struct EigenPairs {
     /// eigenvalue of the exact matrix.
     pub residuals: Vec<f64>,
     /// True if an inertia count or a dense decomposition proves that no smaller eigenvalue was
-    /// missed; false if the pivots of the count grew so much that the count could be wrong. The
-    /// accuracy of the pairs is a separate matter: `residuals` obey
-    /// [`EigenOptions::residual_limit`], certified or not.
+    /// missed; false if pivot growth makes the count unreliable. The accuracy of the pairs is a
+    /// separate matter: `residuals` obey [`EigenOptions::residual_limit`], certified or not.
     pub certified: bool,
     /// Known eigenvalues after the last pair.
     pub beyond: Beyond,

@@ -250,9 +250,9 @@ impl Problem {
         }
     }
 
-    /// S' W − M' W diag(λ'), from differences: (S φ)ᵢ = Σⱼ sᵢⱼ (φⱼ − φᵢ) + eᵢ φᵢ with the row sum
-    /// eᵢ, exactly zero for a Laplacian. The stored diagonal has lost everything below its last
-    /// digit.
+    /// S' W − M' W diag(λ'), from differences: (S φ)ᵢ = Σⱼ sᵢⱼ (φⱼ − φᵢ) + eᵢ φᵢ with the row
+    /// sum eᵢ, exactly zero for a Laplacian. The stored diagonal has lost everything below its
+    /// last digit.
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let rows = Rows::new(&self.stiffness);
         let mut r = self.mass_times(w);
@@ -293,7 +293,7 @@ fn component_masses(mass: &OrderedMass, constants: &(usize, Vec<Option<u32>>)) -
     masses
 }
 
-/// The median of the positive entries; 1 if there are none.
+/// The median of the positive entries; 1 without positive entries.
 fn median_of_positive(mut values: Vec<f64>) -> f64 {
     values.retain(|v| *v > 0.0 && v.is_finite());
     if values.is_empty() {

@@ -131,7 +131,7 @@ where
     R: Fn(usize) -> [f64; N] + Sync,
     P: Fn(usize, [f64; N]) -> [f64; N] + Sync,
 {
-    fn multiply(&self, p: &[Padded], q: &mut Vec<Padded>) -> Padded {
+    fn multiply(&self, p: &[Padded], q: &mut [Padded]) -> Padded {
         let Equations { laplacian, step, added, .. } = self.centred.equations;
         laplacian.sweep_summing(p, q, |i, s, p, _| {
             let (d, mut q) = (added[i], [0.0; 4]);

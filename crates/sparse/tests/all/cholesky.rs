@@ -205,9 +205,8 @@ fn threads_do_not_change_bits() {
     assert_eq!(run(1), run(4));
 }
 
-/// Least fill is the least: on a cube of nodes, which fills in so much that both orderings are
-/// tried, and on a plane grid, which is as sparse as meshes usually are and is not dissected at
-/// all.
+/// Least fill is the least: on a cube of nodes, whose fill is large enough for both orderings to
+/// be tried, and on a plane grid, which is as sparse as most meshes and not dissected at all.
 #[test]
 fn least_fill_is_the_least() {
     let side = 20;

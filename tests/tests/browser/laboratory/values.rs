@@ -35,7 +35,8 @@ pub(super) fn fields(chrome: &mut Chrome, report: &Path) -> Result<()> {
              await drawn();
            }}
            pictures.push(seen().join());
-           return [laboratory.last.arrays.positions.length, part.info.textContent, bars, new Set(pictures).size, document.querySelector('.bar .name').textContent];
+           return [laboratory.last.arrays.positions.length, part.info.textContent, bars, new Set(pictures).size,
+             document.querySelector('.bar .name').textContent];
          }})()"
     ))?;
     ensure!(found[0] == 3 * mesh.vertex_count(), "{}", found[0]);
@@ -155,7 +156,8 @@ pub(super) fn moves(chrome: &mut Chrome, report: &Path) -> Result<()> {
            const header = (await blob.text()).split('end_header')[0];
            const bars = document.querySelectorAll('.bar svg').length;
            await press('undo');
-           return {words, names, same, left: [...laboratory.steps.at(-1).fields.keys()], name, header, bars, field: viewer.state.field};
+           return {words, names, same, left: [...laboratory.steps.at(-1).fields.keys()],
+             name, header, bars, field: viewer.state.field};
          })()",
     )?;
     let words = |k: usize| found["words"][k].as_str().unwrap_or_default();

@@ -55,7 +55,10 @@ fn square(indices: &[u8]) -> (Value, Vec<u8>) {
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "COLOR_0": 1 }, "indices": 2 }] }],
         "accessors": [
             { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
-            { "bufferView": 0, "byteOffset": 12, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" },
+            {
+                "bufferView": 0, "byteOffset": 12, "componentType": 5121, "normalized": true,
+                "count": 4, "type": "VEC4",
+            },
             { "bufferView": 1, "componentType": 5121, "count": indices.len(), "type": "SCALAR" },
         ],
         "bufferViews": [

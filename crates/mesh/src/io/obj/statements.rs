@@ -52,7 +52,7 @@ pub(super) fn one_line(text: &[u8]) -> Vec<u8> {
 }
 
 impl Statements {
-    /// Returns true if there are none.
+    /// Returns true if the file has neither material libraries nor labels.
     pub fn is_empty(&self) -> bool {
         self.libraries.is_empty() && self.labels.iter().all(|labels| labels.of.is_empty())
     }

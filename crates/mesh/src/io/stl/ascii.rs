@@ -99,7 +99,8 @@ fn keyword(cursor: &mut Cursor<'_>, word: &str) -> Result<(), Fault> {
 mod tests {
     use super::*;
 
-    const FACET: &str = "facet normal 0 0 nan\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1e-1 0\n endloop\nendfacet\n";
+    const FACET: &str = "facet normal 0 0 nan\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1e-1 0\n \
+                         endloop\nendfacet\n";
 
     #[test]
     fn solids_of_any_name_and_case_are_read() {

@@ -118,7 +118,11 @@ fn empty_files_and_meshes_are_errors() {
         ("a.off", b"OFF\n0 0 0\n"),
         ("a.stl", b"solid\nendsolid\n"),
         ("b.stl", &[0; 84]),
-        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nproperty int y\nproperty int z\nend_header\n"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nproperty int y\n\
+                   property int z\nend_header\n",
+        ),
     ] {
         let message = refusal(name, bytes, &Reader::default());
         assert!(message.contains("the file holds no vertices"), "{name}: {message}");

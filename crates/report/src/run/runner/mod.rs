@@ -75,7 +75,10 @@ pub fn run(
     progress.say(&format!("{} experiments, {}", chosen.len(), about(left)));
     if let (Some(folder), replaced @ [_, ..]) = (&plan.meshes, &inputs.replaced()[..]) {
         let (folder, replaced) = (folder.display(), replaced.join(", "));
-        progress.say(&format!("generated meshes take the place of what {folder} does not hold: {replaced} (a noisy mesh and the one without noise go together)"));
+        progress.say(&format!(
+            "generated meshes take the place of what {folder} does not hold: {replaced} (a noisy \
+             mesh and the one without noise go together)"
+        ));
     }
     let mut records = vec![];
     for (i, &experiment) in chosen.iter().enumerate() {
@@ -89,30 +92,20 @@ pub fn run(
             Some(place) if !plan.fresh => cache.restore(card.id, &key, place)?,
             _ => None,
         };
+        let fresh = reused.is_none();
         let record = match reused {
-            Some(record) => {
-                progress.say(&format!("{named} (unchanged since the last run)"));
-                record
-            }
-            None => {
-                let record = measure(experiment, &inputs, progress, plan.quick, work)?;
-                match &record.error {
-                    Some(error) => progress.say(&format!("{named} FAILED: {error}")),
-                    None => {
-                        if let Some(place) = &place {
-                            cache.store(&key, plan.quick, place, &record)?;
-                        }
-                        let left = if i + 1 < chosen.len() {
-                            about(left) + " left"
-                        } else {
-                            "done".into()
-                        };
-                        progress.say(&format!("{named} ({:.1} s, {left})", record.seconds));
-                    }
-                }
-                record
-            }
+            Some(record) => record,
+            None => measure(experiment, &inputs, progress, plan.quick, work)?,
         };
+        if let (true, None, Some(place)) = (fresh, &record.error, &place) {
+            cache.store(&key, plan.quick, place, &record)?;
+        }
+        let left = if i + 1 < chosen.len() { about(left) + " left" } else { "done".into() };
+        progress.say(&match &record.error {
+            _ if !fresh => format!("{named} (unchanged since the last run)"),
+            Some(error) => format!("{named} FAILED: {error}"),
+            None => format!("{named} ({:.1} s, {left})", record.seconds),
+        });
         progress.end();
         records.push(record);
     }
