@@ -71,7 +71,8 @@ fn accuracy_is_that_of_the_report() {
     assert_eq!(of_row("Denoising"), expected);
 
     let choice = rows("estimators/choice.csv");
-    let mut medians = column(&choice, 1);
+    // Before the largest error, the order and the time.
+    let mut medians = column(&choice, 3);
     medians.sort_by(f64::total_cmp);
     let ordinary = rows("estimators/ordinary.csv");
     let meshes = ordinary.len() / choice.len();

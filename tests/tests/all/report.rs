@@ -198,7 +198,7 @@ fn an_undecided_claim_is_shown_as_such() {
     );
     let [report, page] =
         ["report.md", "report.html"].map(|name| std::fs::read_to_string(out.join(name)).unwrap());
-    assert!(report.contains("- **Undecided:** 0a It draws.") && report.contains("**undecided**"));
+    assert!(report.contains("0a, undecided:** It draws.") && report.contains("**undecided**"));
     assert!(page.contains("<span class=\"verdict undecided\">undecided</span>"));
     assert!(page.contains(".verdict.undecided {"));
 }

@@ -34,7 +34,7 @@ fn bumpy(level: u32) -> TriMesh {
     shapes::bumpy_sphere(level, 0.2, 3.0)
 }
 
-/// The flow until it settles or has made so many steps, and the steps it made.
+/// The flow until it settles or reaches a number of steps, and the steps it made.
 fn flow(mesh: &TriMesh, iterations: usize) -> Result<(TriMesh, usize)> {
     if iterations == 0 {
         return Ok((mesh.clone(), 0));
@@ -122,7 +122,7 @@ fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
     radii.iter().map(|r| r / mean - 1.0).collect()
 }
 
-/// A sentence on the roundness of the sphere after so many steps each.
+/// A sentence on the roundness of the sphere after a number of steps each.
 fn rounded(errors: &[(usize, f64)]) -> Result<String> {
     let Some(((_, settled), others)) = errors.split_last() else { return Ok(String::new()) };
     let falling = errors.windows(2).all(|w| w[1].1 < w[0].1);

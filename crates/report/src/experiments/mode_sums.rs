@@ -6,10 +6,12 @@ use fairing_shapes as shapes;
 use fairing_spectral::{SpectrumOptions, spectrum};
 use ndarray::ArrayView2;
 
-use super::q4::words::TEXT;
 use crate::experiment::Context;
-use crate::experiment::text::values;
+use crate::experiment::text::{Text, values};
 use crate::model::view::{Modes, Panel, View};
+
+/// The words of question 4.
+pub(super) static TEXT: Text = Text::new("q4", include_str!("../../text/q4.md"));
 
 /// The view on the page.
 pub(super) const VIEW: &str = "modes-view";

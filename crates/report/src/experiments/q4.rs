@@ -1,7 +1,6 @@
 //! Question 4: a mesh from its k smoothest modes.
 
 mod pictures;
-pub(super) mod words;
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
@@ -14,9 +13,9 @@ use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_er
 use ndarray::ArrayView2;
 
 use self::pictures::{BALL, decay, eigenvalues, modes_picture, picture, view};
-use self::words::TEXT;
 use super::gap;
 use super::mode_sums;
+use super::mode_sums::TEXT;
 use super::refinement::between;
 use super::seen;
 use super::surfaces::{Sampling, TestSurface};

@@ -72,10 +72,10 @@ impl Experiment for ExplicitFlow {
     }
 }
 
-/// What decides on claim 5a.
+/// Numbers that decide on claim 5a.
 struct Found {
-    /// The best of the four λ by the surface error, on the patch and on the machine part: normals do
-    /// not see a patch shrink.
+    /// The best of the four λ by the surface error, on the patch and on the machine part: normals
+    /// do not see a patch shrink.
     favourites: [f64; 2],
     swept: Favourites,
     /// The smallest and the greatest best λ of the generated part by the surface error.

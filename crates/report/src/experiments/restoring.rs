@@ -191,8 +191,8 @@ impl Body {
         Ok(add_noise(&self.truth, NoiseKind::GaussianPerAxis, level, seed)?)
     }
 
-    /// Each method on as many seeds as it is given, from `first` on; the result of the first seed is
-    /// kept.
+    /// Each method on as many seeds as it is given, from `first` on; the result of the first seed
+    /// is kept.
     pub(super) fn trials(
         &self,
         level: NoiseLevel,

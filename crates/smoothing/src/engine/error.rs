@@ -164,7 +164,7 @@ pub enum FlowFailure {
         /// The vertex with the largest residual.
         vertex: u32,
     },
-    /// A vertex has so many neighbours in a region that the matrix of the region would be dense.
+    /// A vertex has too many neighbours in a region for its matrix to be sparse.
     #[error(
         "vertex {vertex} joins {neighbors} vertices of the region, which makes its matrix dense: \
          choose fewer, or order 1"

@@ -10,10 +10,10 @@ use fairing_sparse::{larger, smaller};
 use fairing_spectral::Spectrum;
 
 use super::super::gallery::{Coloring, Gallery, Look, Range, plotted};
+use super::super::mode_sums::TEXT;
 use super::super::models::slug;
 use super::super::refinement::{between, second_order};
 use super::super::surfaces::Sampling;
-use super::words::TEXT;
 use crate::experiment::outcome::Picture;
 use crate::experiment::text::values;
 use crate::model::table::{Table, brief};

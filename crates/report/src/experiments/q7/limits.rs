@@ -74,7 +74,7 @@ struct Errors {
 }
 
 impl Errors {
-    /// Those of a method, of whose results a shape may lose so much of its volume, in per cent.
+    /// Those of a method, if a shape may lose this much of its volume, in per cent.
     fn new(rows: &Results, shrunk: f64) -> Result<Self> {
         let optional = |column: &str| -> Result<Vec<Option<f64>>> {
             let c = rows.index(column)?;
@@ -148,7 +148,7 @@ struct Limit {
 }
 
 impl Limit {
-    /// That of the methods that are wanted, if a shape may lose so much of its volume.
+    /// The limit of the methods that are wanted, if a shape may lose this much of its volume.
     fn of(
         sweep: &Results,
         mesh: &str,

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::anchor;
 use super::tables::cell;
 use crate::model::results::Results;
 use crate::page::story;
@@ -22,6 +21,13 @@ pub(super) fn claims(results: &Results) -> String {
         let _ = write!(text, "\n## Our own hypotheses\n\n{ours}");
     }
     text
+}
+
+/// The name under which code hosts link to a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase();
+    let kept = kept.chars().filter(|c| c.is_alphanumeric() || [' ', '-'].contains(c));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
 /// A table of claims with links to their sections: those of the original report with the true

@@ -52,13 +52,6 @@ fn rules(results: &Results) -> String {
     text
 }
 
-/// The name under which code hosts link to a heading.
-fn anchor(heading: &str) -> String {
-    let kept = heading.to_lowercase();
-    let kept = kept.chars().filter(|c| c.is_alphanumeric() || [' ', '-'].contains(c));
-    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
-}
-
 /// A section; `next` is the number of the next figure.
 fn section(record: &Record, next: &mut usize) -> String {
     let mut text = format!("\n### {}\n", record.title);
