@@ -13,7 +13,7 @@ use fairing_operators::{
 };
 use fairing_smoothing::Method;
 use fairing_spectral::{
-    HeatGeodesics, SpectrumOptions, SurfacePoint, geodesic_path, isoline, reconstruct, spectrum,
+    HeatGeodesics, SpectrumOptions, SurfacePoint, geodesic_path, isolines, reconstruct, spectrum,
 };
 
 /// Flows and options that take paths of their own.
@@ -191,8 +191,9 @@ fn walk(mesh: &TriMesh, choice: usize) {
     if let Ok(path) = geodesic_path(mesh, &distance, &[source], farthest) {
         assert!(path.length().is_finite());
     }
-    let lines = isoline(mesh, &distance, 1.0).expect("a field of this mesh");
-    finite(lines.as_flattened().as_flattened());
+    for line in isolines(mesh, &distance, 1.0).expect("a field of this mesh") {
+        line.segments().for_each(|segment| finite(segment.as_flattened()));
+    }
 }
 
 fn judge(mesh: &TriMesh, choice: usize) {
