@@ -242,9 +242,10 @@ fn mapped(_: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The numbers in `Figures 5 to 7 of the original report`.
+/// The numbers in `Figures 5 to 7 of the original`.
 fn theirs(caption: &str) -> Vec<u32> {
-    let before = caption.split(" of the original report").filter_map(|part| {
+    let parts: Vec<&str> = caption.split(" of the original").collect();
+    let before = parts[..parts.len() - 1].iter().filter_map(|part| {
         let (_, numbers) = part.rsplit_once("Figure")?;
         let numbers = numbers.trim_start_matches('s').split_whitespace();
         let numbers: Vec<u32> = numbers.filter_map(|word| word.parse().ok()).collect();

@@ -10,6 +10,7 @@ use base64::Engine as _;
 use super::escape::escape;
 use crate::model::results::Record;
 use crate::model::table::{Cell, Table, Unit};
+use crate::page::numbers::parts;
 use crate::page::{layout, markdown};
 
 /// Tables with deciding rows, and the others, folded.
@@ -22,8 +23,10 @@ pub(super) fn tables(record: &Record, folder: &Path) -> Result<[String; 2]> {
         let bytes = fs::read(folder.join(&csv)).with_context(|| format!("reading {csv}"))?;
         Ok(table(t, &csv, &bytes, folded))
     };
-    let (seen, folded): (Vec<&Table>, Vec<&Table>) =
+    let left = layout::UNFOLDED.saturating_sub(parts(record).1);
+    let (mut seen, mut folded): (Vec<&Table>, Vec<&Table>) =
         record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
+    folded.splice(0..0, seen.split_off(left.min(seen.len())));
     let mut text = String::new();
     for table in seen {
         text += &one(table, false)?;
