@@ -124,7 +124,8 @@ fn meshes(root: &Path) -> Result<()> {
 }
 
 fn processors(root: &Path) -> Result<()> {
-    passes(cargo(root).args(["test", "--workspace", "--locked", "--test", "instructions"]))?;
+    let tests = ["test", "--workspace", "--locked", "--bin=bench", "--test=instructions"];
+    passes(cargo(root).args(tests))?;
     passes(&mut target(root, "emulation"))
 }
 
@@ -146,8 +147,7 @@ fn recipes(root: &Path) -> Result<()> {
 }
 
 fn module(root: &Path) -> Result<()> {
-    let tests = ["test", "--workspace", "--locked", "--test=module", "--lib"];
-    passes(cargo(root).args(tests).arg("--package=fairing-web"))?;
+    passes(cargo(root).args(["test", "--workspace", "--locked", "--lib", "--test=module"]))?;
     if web::is_available() {
         ensure!(web::run(root, web::Extent::Build)?, "the module from source fails its tests");
     } else {
