@@ -2,8 +2,8 @@
 
 use crate::model::results::Record;
 
-/// The parts of a section that the page for browsers unfolds: the first figures that are listed, and
-/// then tables.
+/// The parts of a section that the page for browsers unfolds: the first figures that are listed,
+/// and then tables.
 pub(crate) const UNFOLDED: usize = 2;
 
 /// Returns true if the section lists its unfolded parts and all of them are there.
