@@ -99,12 +99,13 @@ impl JumpTree {
         let size = norm(b);
         let (mut p, mut q) = (vec![[0.0; 3]; b.len()], r.clone());
         let mut before = f64::INFINITY;
-        for iterations in 0..=accuracy.max_iterations {
+        let mut iterations = 0;
+        loop {
             let residual = norm(&r);
             if residual <= accuracy.tolerance * size {
                 return Ok((x, iterations));
             }
-            if iterations == accuracy.max_iterations || residual.is_nan() {
+            if iterations >= accuracy.max_iterations || residual.is_nan() {
                 let residual = residual / size;
                 return Err(DenoiseError::NotSolved { step, iterations, residual });
             }
@@ -119,8 +120,8 @@ impl JumpTree {
             let length = now / along;
             update(&mut x, |f, x| (difference(x, p[f], -length), ()));
             update(&mut r, |f, r| (difference(r, q[f], length), ()));
+            iterations += 1;
         }
-        Ok((x, accuracy.max_iterations))
     }
 }
 
