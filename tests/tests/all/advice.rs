@@ -9,9 +9,9 @@ use fairing_operators::curvature::Estimator;
 use fairing_smoothing::Method;
 
 /// A table of a CSV file: a value for each column of each row.
-type Rows = Vec<BTreeMap<String, String>>;
+pub(crate) type Rows = Vec<BTreeMap<String, String>>;
 
-fn read(path: &str) -> String {
+pub(crate) fn read(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
 }
 
@@ -45,11 +45,12 @@ fn rows(path: &str) -> Rows {
     lines.map(|line| head.iter().cloned().zip(line).collect()).collect()
 }
 
-fn report(path: &str) -> Rows {
+/// A table of the committed report.
+pub(crate) fn report(path: &str) -> Rows {
     rows(&format!("docs/report/{path}"))
 }
 
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+pub(crate) fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row.get(column).unwrap_or_else(|| panic!("no column {column}")).parse().unwrap()
 }
 

@@ -1,25 +1,14 @@
 //! The README: its numbers are those of the committed tables.
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
-fn read(path: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
-}
+use crate::advice::{Rows, number, read, report};
 
-/// The rows of a table of the report, each with its cells from the last to the first: a comma in
-/// the first cell does not matter.
-fn rows(table: &str) -> Vec<Vec<String>> {
-    let text = read(&format!("docs/report/{table}"));
-    text.lines().skip(1).map(|row| row.rsplit(',').map(str::to_owned).collect()).collect()
-}
-
-/// The numbers in a column, counted from the last.
-fn column(rows: &[Vec<String>], from_last: usize) -> Vec<f64> {
-    rows.iter().map(|cells| cells[from_last].parse().unwrap()).collect()
+/// The numbers in a column.
+fn column(rows: &Rows, name: &str) -> Vec<f64> {
+    rows.iter().map(|row| number(row, name)).collect()
 }
 
 /// The number to `decimals` decimals.
@@ -57,32 +46,32 @@ fn of_sentence(start: &str) -> Vec<f64> {
 
 #[test]
 fn accuracy_is_that_of_the_report() {
-    let best = rows("denoisers/best.csv");
-    let methods = rows("denoisers/scores.csv");
-    let methods: BTreeSet<&String> = methods.iter().map(|cells| &cells[5]).collect();
+    let best = report("denoisers/best.csv");
+    let methods = report("denoisers/scores.csv");
+    let methods: BTreeSet<&String> = methods.iter().map(|row| &row["method"]).collect();
     // Without the noisy input and the automatic denoiser.
     let published = methods.len() - 2;
     let expected: Vec<f64> = [best.len() as f64]
         .into_iter()
-        .chain(range(&column(&best, 0)))
-        .chain(range(&column(&best, 1)))
+        .chain(range(&column(&best, "automatic [°]")))
+        .chain(range(&column(&best, "its normal error [°]")))
         .chain([published as f64])
         .collect();
     assert_eq!(of_row("Denoising"), expected);
 
-    let choice = rows("estimators/choice.csv");
-    // Before the largest error, the order and the time.
-    let mut medians = column(&choice, 3);
+    let choice = report("estimators/choice.csv");
+    let mut medians = column(&choice, "all [1]");
     medians.sort_by(f64::total_cmp);
-    let ordinary = rows("estimators/ordinary.csv");
+    let ordinary = report("estimators/ordinary.csv");
     let meshes = ordinary.len() / choice.len();
     assert_eq!(
         of_row("Curvature"),
         [meshes as f64, rounded(medians[0], 2), rounded(medians[1], 1)]
     );
 
-    let sets = rows("denoisers/sets.csv");
-    let [cases, lost] = [12, 7].map(|cell| column(&sets, cell).iter().sum::<f64>());
+    let sets = report("denoisers/sets.csv");
+    let [cases, lost] = ["cases [count]", "worse than a default [count]"]
+        .map(|name| column(&sets, name).iter().sum::<f64>());
     assert_eq!(of_sentence("A published method at its defaults is better on"), [lost, cases]);
 }
 
