@@ -2,9 +2,11 @@
 
 use crate::model::results::Record;
 
-/// The parts of a section that the page for browsers unfolds: the first figures that are listed,
-/// and then tables.
-pub(crate) const UNFOLDED: usize = 2;
+/// The number of parts that the page for browsers unfolds: of a section with a list, the first
+/// figures that are listed and then tables, two in all.
+pub(crate) fn unfolded(record: &Record) -> usize {
+    if is_laid_out(record) { 2 } else { usize::MAX }
+}
 
 /// Returns true if the section lists its unfolded parts and all of them are there.
 fn is_laid_out(record: &Record) -> bool {

@@ -19,7 +19,7 @@ use crate::page::numbers::{Item, is_paper, parts, place};
 /// The unfolded parts, and the rest folded under a line of their names. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<[String; 2]> {
     let (items, seen) = parts(record);
-    let seen = seen.min(layout::UNFOLDED);
+    let seen = seen.min(layout::unfolded(record));
     let one = |(k, item): (usize, &Item<'_>)| {
         item.html(record, first, &format!("<b>Figure {}.</b> ", first + k), folder)
     };

@@ -23,7 +23,7 @@ pub(super) fn tables(record: &Record, folder: &Path) -> Result<[String; 2]> {
         let bytes = fs::read(folder.join(&csv)).with_context(|| format!("reading {csv}"))?;
         Ok(table(t, &csv, &bytes, folded))
     };
-    let left = layout::UNFOLDED.saturating_sub(parts(record).1);
+    let left = layout::unfolded(record).saturating_sub(parts(record).1);
     let (mut seen, mut folded): (Vec<&Table>, Vec<&Table>) =
         record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
     folded.splice(0..0, seen.split_off(left.min(seen.len())));
