@@ -110,18 +110,38 @@ mod tests {
         }
     }
 
-    /// The second ring of a sphere of 42 vertices turns by more than 60°, and one ring determines
-    /// no cubic.
+    /// The first ring of a sphere of 42 vertices turns by more than 30°, and one ring determines no
+    /// cubic.
     #[test]
     fn coarse_spheres_are_fitted_with_fewer_rings() {
-        let sphere = fairing_shapes::icosphere(1);
+        for (level, limit) in [(1, 0.1), (2, 0.06), (3, 0.06)] {
+            let sphere = fairing_shapes::icosphere(level);
+            for estimator in Estimator::all() {
+                let field = estimator.estimate(&sphere).unwrap();
+                let off = field.mean.iter().map(|h| (h - 1.0).abs()).fold(0.0, f64::max);
+                // Which does not converge at the twelve vertices of valence 5.
+                let limit = if estimator.name() == "steiner" { 0.16 } else { limit };
+                assert!(off < limit, "{estimator}, {} vertices: {off}", field.len());
+            }
+        }
         for name in ["quadric", "jet2", "jet3", "jet4"] {
-            let estimator: Estimator = name.parse().unwrap();
-            let field = estimator.estimate(&sphere).unwrap();
-            assert_eq!(field.narrowed, 42, "{name}");
-            let values = field.mean.iter().chain(&field.gaussian);
-            assert!(values.into_iter().all(|x| (x - 1.0).abs() < 0.25), "{name}: {:?}", field.mean);
-            assert_eq!(estimator.estimate(&fairing_shapes::icosphere(4)).unwrap().narrowed, 0);
+            let narrowed = |level| {
+                let estimator: Estimator = name.parse().unwrap();
+                estimator.estimate(&fairing_shapes::icosphere(level)).unwrap().narrowed
+            };
+            assert_eq!([narrowed(1), narrowed(4)], [42, 0], "{name}");
+        }
+    }
+
+    /// Three rings of a cylinder with 32 vertices around turn by 34° from the vertex: a cubic over
+    /// them is 10 % off.
+    #[test]
+    fn tubes_are_fitted_with_fewer_rings() {
+        let tube = fairing_shapes::torus(20.0, 0.4, 1500, 32);
+        for name in ["quadric", "jet2", "jet3", "jet4"] {
+            let field = name.parse::<Estimator>().unwrap().estimate(&tube).unwrap();
+            let off = field.kappa1.iter().map(|k| (0.4 * k - 1.0).abs()).fold(0.0, f64::max);
+            assert!(off < 0.06, "{name}: {off}");
         }
     }
 }

@@ -136,8 +136,9 @@ impl<'a> HeightField<'a> {
     }
 }
 
-/// The least cosine between the normals of a neighbourhood that is a height field: 60°.
-const MIN_COSINE: f64 = 0.5;
+/// The least cosine of a normal of a neighbourhood to that of its vertex: at 30°, the neighbourhood
+/// turns by 60° from one side to the other.
+const MIN_COSINE: f64 = 0.866;
 
 /// The neighbours that determine a fit with spheres.
 const OF_SPHERES: usize = 5;
@@ -190,7 +191,7 @@ impl PrincipalAxes {
 ///
 /// A neighbourhood with fewer than `at_least` others is widened; where the connected part has no
 /// more, the vertex has too few neighbours. One whose normals, averaged twice, turn by more than
-/// 60° is no height field: fewer rings are taken there, and where these do not determine the fit,
+/// 30° from that of the vertex is no height field: fewer rings are taken there, and where these do not determine the fit,
 /// a quadric that is exact on spheres. Where the fit finds no solution the neighbours do not
 /// determine one.
 pub(crate) fn fit_each<F>(
