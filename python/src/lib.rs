@@ -4,12 +4,10 @@
 //! defaults in Python (`pyfairing/*.py`); the crates compute.
 
 mod arrays;
-mod denoising;
 mod error;
 mod evaluation;
 mod figure;
 mod geodesic;
-mod heat;
 mod mesh;
 mod operators;
 mod options;
@@ -34,15 +32,13 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::denoising::denoise;
-    #[pymodule_export]
     use super::evaluation::{compare, noise, scan};
     #[pymodule_export]
     use super::figure::{png, render_mesh, viewer_page};
     #[pymodule_export]
     use super::geodesic::{Geodesics, isolines};
     #[pymodule_export]
-    use super::heat::{Heat, poisson};
+    use super::geodesic::{Heat, poisson};
     #[pymodule_export]
     use super::mesh::{Mesh, from_polygons, read, read_bytes};
     #[pymodule_export]
@@ -53,6 +49,8 @@ mod _core {
     use super::repair::{closest, components, repair_mesh};
     #[pymodule_export]
     use super::shapes::shape;
+    #[pymodule_export]
+    use super::smoothing::denoise;
     #[pymodule_export]
     use super::smoothing::smooth;
     #[pymodule_export]

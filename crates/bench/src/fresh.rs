@@ -56,7 +56,7 @@ impl Fresh {
 pub(crate) fn total(run: &Value) -> f64 {
     let phases = run.as_object().into_iter().flatten();
     phases
-        .filter(|(name, _)| *name != crate::stopwatch::PREPARE && !name.starts_with('_'))
+        .filter(|(name, _)| *name != crate::task::PREPARE && !name.starts_with('_'))
         .filter_map(|(_, seconds)| seconds.as_f64())
         .sum()
 }

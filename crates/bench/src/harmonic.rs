@@ -8,8 +8,7 @@ use fairing_sparse::{
     multiply_points,
 };
 
-use crate::stopwatch::Stopwatch;
-use crate::task::{Job, Work, fingerprint, forgetful, work};
+use crate::task::{Job, Stopwatch, Work, fingerprint, forgetful, work};
 
 /// The largest order: matrices of the fourth have 60 entries in a row.
 const MAX_ORDER: usize = 3;

@@ -1,17 +1,14 @@
 //! Times of tasks: one inside the process, for comparison with other libraries, or all of a page.
 
 mod bandwidth;
-mod denoise;
 mod files;
 mod fresh;
 mod harmonic;
 mod hubs;
-mod metrics;
 mod operators;
 mod page;
 mod smoothing;
 mod spectra;
-mod stopwatch;
 mod task;
 
 use std::path::PathBuf;
@@ -23,8 +20,7 @@ use serde_json::{Value, json};
 
 use fairing_sparse::upper_median;
 use fresh::{Fresh, Times};
-use stopwatch::Stopwatch;
-use task::{Job, Task};
+use task::{Job, Stopwatch, Task};
 
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
@@ -118,7 +114,7 @@ const ALL: &[Task] = &[
     Task::new(
         "metrics",
         "vertex-to-surface distances both ways and normal angles, against --reference",
-        metrics::metrics,
+        operators::metrics,
     ),
     Task::new("eigs", "k smallest eigenpairs of S u = w M u, certified", spectra::eigs),
     Task::new(
@@ -131,7 +127,7 @@ const ALL: &[Task] = &[
         "(Wᵏ + M) u = M x, of order --k 1, 2 or 3: factorise, solve, refine",
         harmonic::harmonic,
     ),
-    Task::new("denoise", "the denoiser without parameters", denoise::denoise),
+    Task::new("denoise", "the denoiser without parameters", smoothing::denoise),
     Task::new(
         "bandwidth",
         "S times three columns, and the triad a = b + s c of STREAM",
@@ -238,7 +234,7 @@ fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
         done = next;
     }
     // The peak is read before the fingerprint adds to it.
-    let rss = stopwatch::peak_megabytes();
+    let rss = task::peak_megabytes();
     let mut result = json!({ "runs": runs, "fingerprint": done()? });
     if let Some(megabytes) = rss {
         result["rss_mb"] = json!(megabytes);

@@ -1,9 +1,10 @@
-//! Assembling operators and estimating curvature.
+//! Assembling operators, estimating curvature, and distances and normals between two meshes.
 //!
 //! Each repetition starts from a mesh of its own, made under the phase
 //! `prepare`: what a mesh remembers about its faces must be found again.
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{normal_error, surface_distance};
 use fairing_mesh::io;
 use fairing_operators::curvature::{Estimator, mean_and_gaussian_curvature};
 use fairing_operators::{Laplacian, LumpedArea, cotan_stiffness, lumped_mass};
@@ -86,6 +87,25 @@ pub(crate) fn principal(job: &Job) -> Result<Work> {
         Ok(move || {
             let mean = |k: &[f64]| k.iter().sum::<f64>() / k.len() as f64;
             Ok(fingerprint! { mean_k1: mean(&field.kappa1), mean_k2: mean(&field.kappa2) })
+        })
+    })
+}
+
+/// Distances between vertices and surfaces both ways, and the angles between
+/// matching faces; the trees are built again each time.
+pub(crate) fn metrics(job: &Job) -> Result<Work> {
+    let path = job.reference.as_ref().context("missing reference mesh: --reference FILE")?;
+    let (mesh, reference) = (io::read(&job.input)?.mesh, io::read(path)?.mesh);
+    work(move |watch| {
+        let (mesh, reference) = (forgetful(&mesh, watch)?, forgetful(&reference, watch)?);
+        let distance = watch.phase("distance", || surface_distance(&mesh, &reference))?;
+        let normals = watch.phase("normals", || normal_error(&mesh, &reference))?;
+        Ok(move || {
+            Ok(fingerprint! {
+                hausdorff: distance.max(),
+                chamfer: distance.chamfer(),
+                normal_dev_deg: normals.mean,
+            })
         })
     })
 }

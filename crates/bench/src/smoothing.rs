@@ -1,6 +1,7 @@
-//! Flows, and one from file to file.
+//! Flows, one of them from file to file, and the denoiser without parameters.
 
 use anyhow::{Context as _, Result};
+use fairing_denoising::{AutomaticOptions, automatic};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
 use fairing_sparse::larger;
@@ -84,4 +85,17 @@ fn displacement_fingerprint(before: &TriMesh, after: &TriMesh) -> Fingerprint {
         max_disp: squares.iter().copied().fold(0.0, larger).sqrt(),
         sum_sq: after.positions().iter().map(|&p| DVec3::from(p).length_squared()).sum::<f64>(),
     }
+}
+
+/// Denoising without parameters.
+pub(crate) fn denoise(job: &Job) -> Result<Work> {
+    let mesh = io::read(&job.input)?.mesh;
+    work(move |watch| {
+        let mesh = forgetful(&mesh, watch)?;
+        let result = watch.phase("solve", || automatic(&mesh, &AutomaticOptions::default()))?;
+        Ok(move || {
+            let positions = result.mesh.positions().as_flattened();
+            Ok(fingerprint! { sum_squares: positions.iter().map(|x| x * x).sum::<f64>() })
+        })
+    })
 }

@@ -1,12 +1,12 @@
 //! A task to be timed, and its work.
 
+use std::fs;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use fairing_mesh::TriMesh;
-use serde_json::{Map, Value};
-
-use crate::stopwatch::Stopwatch;
+use serde_json::{Map, Value, json};
 
 /// A task to be timed.
 pub(crate) struct Task {
@@ -82,4 +82,82 @@ pub(crate) struct Job {
     pub(crate) mu: f64,
     /// The number of steps.
     pub(crate) iterations: usize,
+}
+
+/// Times named phases; a name used twice adds up.
+#[derive(Debug, Default)]
+pub(crate) struct Stopwatch {
+    phases: Vec<(&'static str, f64)>,
+    processor: Option<f64>,
+}
+
+/// Copying into a layout that the task asks for: timed, but not counted.
+pub(crate) const PREPARE: &str = "prepare";
+
+impl Stopwatch {
+    /// Does the work and adds its time to the phase.
+    pub(crate) fn phase<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        let before = processor_seconds();
+        let start = Instant::now();
+        let result = work();
+        let seconds = start.elapsed().as_secs_f64();
+        let after = processor_seconds();
+        match self.phases.iter_mut().find(|(n, _)| *n == name) {
+            Some((_, total)) => *total += seconds,
+            None => self.phases.push((name, seconds)),
+        }
+        if let (Some(before), Some(after)) = (before, after)
+            && name != PREPARE
+        {
+            *self.processor.get_or_insert(0.0) += after - before;
+        }
+        result
+    }
+
+    /// `{"phase": seconds, …, "_cpu": seconds}`.
+    pub(crate) fn into_json(self) -> Value {
+        let mut map: Map<String, Value> =
+            self.phases.into_iter().map(|(name, seconds)| (name.into(), json!(seconds))).collect();
+        if let Some(seconds) = self.processor {
+            map.insert("_cpu".into(), json!(seconds));
+        }
+        Value::Object(map)
+    }
+}
+
+/// Processor time of all threads of this process in seconds, where Linux tells
+/// it: the first number of each `schedstat` is nanoseconds on a processor.
+/// Threads that have ended are not counted; those of a pool do not end.
+fn processor_seconds() -> Option<f64> {
+    let mut nanoseconds = 0u64;
+    for task in fs::read_dir("/proc/self/task").ok()? {
+        let path = task.ok()?.path().join("schedstat");
+        let Ok(text) = fs::read_to_string(path) else { continue };
+        nanoseconds += text.split_whitespace().next()?.parse::<u64>().ok()?;
+    }
+    Some(nanoseconds as f64 * 1e-9)
+}
+
+/// The most memory this process has used, in megabytes, where Linux tells it.
+pub(crate) fn peak_megabytes() -> Option<f64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_of_one_name_add_up() {
+        let mut watch = Stopwatch::default();
+        let a = watch.phase("solve", || 1);
+        let b = watch.phase("solve", || 2);
+        let json = watch.into_json();
+        assert_eq!(a + b, 3);
+        assert!(json["solve"].as_f64().unwrap() >= 0.0);
+        assert_eq!(json.as_object().unwrap().keys().filter(|k| *k == "solve").count(), 1);
+    }
 }

@@ -9,7 +9,6 @@
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
 mod correspondence;
-mod curvature_error;
 mod distance;
 mod drift;
 mod error;
@@ -27,7 +26,6 @@ mod scores;
 mod surface_tree;
 mod triangle;
 
-pub use curvature_error::curvature_error;
 pub use distance::{
     SurfaceDistance, VertexDisplacement, VertexDistance, at_closest_points, surface_distance,
     vertex_displacement, vertex_distance,
@@ -39,7 +37,7 @@ pub use hausdorff::{Hausdorff, hausdorff};
 pub use inside::inside;
 pub use intersections::self_intersections;
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
-pub use normal_error::{NormalAngles, normal_error};
+pub use normal_error::{NormalAngles, curvature_error, normal_error};
 pub use orders::observed_orders;
 pub use scan::{Scan, ScanOptions, scan};
 pub use scores::{Score, ScoreOptions, ScoreUnit, Scores};

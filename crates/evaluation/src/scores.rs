@@ -5,14 +5,13 @@ use std::fmt;
 use fairing_mesh::TriMesh;
 use fairing_parameters::Range;
 
-use crate::curvature_error::curvature_error;
 use crate::distance::{self, SurfaceDistance, VertexDisplacement, tree, vertex_displacement};
 use crate::drift::{Drift, drift, flipped_faces};
 use crate::error::EvaluationError;
 use crate::features::{FeatureEdges, feature_edges};
 use crate::hausdorff::{self, Hausdorff};
 use crate::intersections::self_intersections;
-use crate::normal_error::{NormalAngles, normal_error};
+use crate::normal_error::{NormalAngles, curvature_error, normal_error};
 
 /// Settings of the scores.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,11 @@
 //! The key to the colours.
 
 use crate::drawing::{Anchor, Drawing, INK, SOFT};
-use crate::number::{number, power_of_ten};
 use crate::outline::Outline;
 use crate::scale::{Scale, Spread};
 use crate::text::Style;
 use crate::ticks;
+use crate::ticks::{number, power_of_ten};
 
 /// A colour bar with ticks.
 ///

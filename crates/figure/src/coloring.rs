@@ -2,9 +2,9 @@
 
 use fairing_mesh::TriMesh;
 
+use crate::color::ColorMap;
 use crate::error::FigureError;
 use crate::field::Field;
-use crate::maps::ColorMap;
 use crate::scale::{Center, Limits, Scale, ScaleOptions, Spread};
 
 /// Requested colours; the rest follows from the values.

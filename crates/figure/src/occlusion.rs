@@ -1,7 +1,7 @@
-//! Ambient occlusion, baked at vertices.
+//! Ambient occlusion, baked at vertices, and lamps.
 
 use fairing_mesh::TriMesh;
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
@@ -10,6 +10,7 @@ use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
+use crate::camera::Camera;
 use crate::normals::{area_vectors, vertex_normals};
 
 /// Sky visibility of each vertex: 1 in the open, 0 when enclosed.
@@ -211,4 +212,46 @@ fn is_closed(mesh: &TriMesh) -> bool {
         .collect();
     sides.par_sort_unstable();
     sides.chunk_by(|a, b| a == b).all(|edge| edge.len() > 1)
+}
+
+/// Lamps that travel with the camera: a key light from the upper left, a weak
+/// fill light from the right, and a sky brighter above than below. Together
+/// they light a surface that faces the key light at about its own colour.
+pub(crate) struct Lamps {
+    key: Vec3,
+    fill: Vec3,
+    up: Vec3,
+}
+
+const KEY: f32 = 0.84;
+const FILL: f32 = 0.20;
+const SKY_LOW: f32 = 0.13;
+const SKY_HIGH: f32 = 0.32;
+/// The key light is dimmed by this part of the occlusion: what a shadow would
+/// do in crevices, without casting one.
+const KEY_SHADE: f32 = 0.4;
+const GLOSS: f32 = 0.06;
+const SHARPNESS: i32 = 40;
+
+impl Lamps {
+    pub(crate) fn new(camera: &Camera) -> Self {
+        let mix = |right: f64, up: f64, forward: f64| {
+            (camera.right * right + camera.up * up + camera.forward * forward).normalize().as_vec3()
+        };
+        Self { key: mix(-0.5, 0.75, -0.8), fill: mix(0.9, 0.1, -0.6), up: camera.up.as_vec3() }
+    }
+
+    /// The light, in linear components, that leaves a point of colour `base`
+    /// (linear) with unit normal `normal` towards the eye; `view` is the unit
+    /// direction from the eye, `open` the part of the sky that is seen.
+    pub(crate) fn shade(&self, base: Vec3, normal: DVec3, view: DVec3, open: f32) -> Vec3 {
+        let (normal, view) = (normal.as_vec3(), view.as_vec3());
+        let key = normal.dot(self.key).max(0.0) * (1.0 - KEY_SHADE * (1.0 - open));
+        let fill = normal.dot(self.fill).max(0.0) * open;
+        let height = 0.5 + 0.5 * normal.dot(self.up);
+        let sky = (SKY_LOW + (SKY_HIGH - SKY_LOW) * height) * open;
+        let half = (self.key - view).normalize_or_zero();
+        let gloss = normal.dot(half).max(0.0).powi(SHARPNESS) * GLOSS * open;
+        base * (KEY * key + FILL * fill + sky) + Vec3::splat(gloss)
+    }
 }

@@ -8,9 +8,9 @@ use fairing_mesh::TriMesh;
 
 use crate::bundle::{Module, bundle, compact};
 use crate::camera::Up;
+use crate::color::ColorMap;
 use crate::error::FigureError;
 use crate::field::Field;
-use crate::maps::ColorMap;
 use crate::svg::escape;
 
 /// The modules of the viewer, for [`bundle`] and the pages of other crates.

@@ -1,8 +1,8 @@
 //! From values to colours, and back for the colour bar.
 
+use crate::color::ColorMap;
 use crate::error::FigureError;
 use crate::field::Field;
-use crate::maps::ColorMap;
 
 /// The colour of vertices without a value.
 pub const UNDEFINED: [u8; 3] = [150, 150, 150];

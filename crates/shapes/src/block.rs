@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
-use super::made::made;
+use super::grid::made;
 use super::outline::Piece;
 use super::patch::fill;
 use fairing_mesh::TriMesh;

@@ -1,7 +1,7 @@
 //! An animal with limbs, in the place of scanned figures.
 
+use super::grid::made;
 use super::implicit::implicit;
-use super::made::made;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 

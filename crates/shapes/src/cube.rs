@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::grid::{Diagonals, grid_faces};
-use super::made::made;
+use super::grid::{Diagonals, grid_faces, made};
 use fairing_mesh::TriMesh;
 
 /// The cube of side 1 around the origin, each side in `squares × squares`

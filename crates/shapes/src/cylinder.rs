@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::grid::{Diagonals, grid_faces};
-use super::made::made;
+use super::grid::{Diagonals, grid_faces, made};
 use super::rings;
 use fairing_mesh::TriMesh;
 

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::delaunay::{delaunay, scatter};
-use super::made::made;
+use super::grid::made;
 use fairing_mesh::TriMesh;
 
 /// Four petals around a hollow: an open sheet with one boundary loop and very

@@ -1,4 +1,6 @@
-//! Faces of grids, open or joined at their ends.
+//! Faces of grids, open or joined at their ends, and the mesh made of them.
+
+use fairing_mesh::TriMesh;
 
 /// The diagonals by which the squares of a grid are cut into triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,4 +36,12 @@ pub(super) fn grid_faces(
         }
     }
     faces
+}
+
+/// Returns the mesh of positions and faces whose validity the parameters of a shape guarantee.
+pub(crate) fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
+    match TriMesh::new(positions, faces) {
+        Ok(mesh) => mesh,
+        Err(error) => panic!("the parameters of a shape give no mesh: {error}"),
+    }
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::made::made;
+use super::grid::made;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 

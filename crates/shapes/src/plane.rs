@@ -4,8 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::delaunay::{delaunay, scatter};
-use super::grid::{Diagonals, grid_faces};
-use super::made::made;
+use super::grid::{Diagonals, grid_faces, made};
 use fairing_mesh::TriMesh;
 
 /// The unit square 0 ≤ x, y ≤ 1, z = 0, in `columns × rows` small rectangles

@@ -20,12 +20,11 @@ pub use engine::constraints::{Boundary, Constraints, SoftConstraint};
 pub use engine::diffusion::{Diffusion, Time};
 pub use engine::error::{FlowError, FlowFailure};
 pub use engine::outcome::{Approach, Report, Smoothed};
-pub use engine::response::{Stability, largest_eigenvalue, stable_limit};
 
 pub use engine::updated::Update;
 pub use engine::volume::Volume;
 pub use flows::conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
-pub use flows::explicit::{Explicit, explicit};
+pub use flows::explicit::{Explicit, Stability, explicit, largest_eigenvalue, stable_limit};
 pub use flows::hc::{Hc, hc};
 pub use flows::implicit::{Implicit, implicit};
 pub use flows::low_pass::{LowPass, Transfer, low_pass};

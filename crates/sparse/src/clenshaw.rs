@@ -17,7 +17,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::graph_laplacian::{Factors, GraphLaplacian, Padded};
-use crate::simd::{self, Kernel};
+use crate::parallel::{self, Kernel};
 
 /// Bytes available to the active blocks of a batch: most of one core's second-level cache.
 const CACHE: usize = 1 << 20;
@@ -110,11 +110,11 @@ impl Batch<'_> {
         let ends: Vec<usize> = (0..=parts).map(|q| q * n / parts).collect();
         let middles: Vec<usize> = ends.windows(2).map(|e| (e[0] + e[1]) / 2).collect();
         split(last, before, &ends).into_par_iter().for_each(|piece| {
-            simd::dispatch(Trapezoid { batch: self, piece, n });
+            parallel::dispatch(Trapezoid { batch: self, piece, n });
         });
         let between = split(last, before, &middles);
         between.into_par_iter().zip(&ends[1..]).for_each(|(piece, &end)| {
-            simd::dispatch(Triangle { batch: self, piece, end });
+            parallel::dispatch(Triangle { batch: self, piece, end });
         });
     }
 

@@ -30,7 +30,6 @@ mod matrix;
 mod order;
 pub mod parallel;
 mod product;
-mod simd;
 mod spectral_bound;
 
 // The oracle of the tests.

@@ -1,4 +1,5 @@
-//! Passes over rows in parallel, with sums that do not depend on the number of threads.
+//! Passes over rows in parallel, with sums that do not depend on the number of threads, and kernels
+//! compiled for the widest vectors of the processor.
 //!
 //! Rows are divided into fixed chunks of [`CHUNK`]. Each chunk is summed from front to back, and
 //! the sums of the chunks are added in order, whichever thread computed them.
@@ -128,6 +129,24 @@ fn total<S: Sum>(parts: &[S]) -> S {
         total.add(part);
     }
     total
+}
+
+/// A kernel. Its `call` and all functions it calls must be `#[inline(always)]`, which closures
+/// cannot be: a function that is not inlined is compiled for the oldest processor, where a fused
+/// multiply-add is a function call.
+pub(crate) use pulp::NullaryFnOnce as Kernel;
+
+/// Calls the kernel with the processor's vector instructions enabled.
+pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    pulp::Arch::new().dispatch(kernel)
+}
+
+/// `a b + c`, rounded once; in WebAssembly, which has no instruction for it, rounded twice, a
+/// hundred times as fast as an emulation.
+#[cfg(feature = "solvers")]
+#[inline(always)]
+pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_arch = "wasm32") { a * b + c } else { a.mul_add(b, c) }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use fairing_sparse::{
 use glam::DVec3;
 
 use crate::error::SpectralError;
-use crate::flat_face::FlatFace;
+use crate::poisson::FlatFace;
 use crate::surface_point::SurfacePoint;
 
 /// Factorised heat method for any sources: heat diffuses for a short time, its gradient is

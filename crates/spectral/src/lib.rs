@@ -13,12 +13,10 @@
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
 mod cluster;
-mod compression;
 mod compute;
 mod diffusion;
 mod error;
 mod filter;
-mod flat_face;
 mod geodesic;
 mod isoline;
 #[cfg(feature = "npz")]
@@ -33,7 +31,6 @@ mod spectrum;
 mod surface_point;
 
 pub use cluster::Split;
-pub use compression::{Compressed, compress};
 pub use compute::{SpectrumOptions, graph_spectrum, spectrum};
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
@@ -44,7 +41,7 @@ pub use geodesic::HeatGeodesics;
 pub use isoline::{Isoline, isolines};
 pub use path::{GeodesicPath, geodesic_path};
 pub use poisson::Poisson;
-pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
+pub use reconstruct::{Compressed, Reconstruction, compress, reconstruct, reconstruction_errors};
 pub use signature::{
     global_point_signature, heat_kernel_signature, heat_kernel_times, shape_dna,
     wave_kernel_energies, wave_kernel_signature,

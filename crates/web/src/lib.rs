@@ -9,7 +9,6 @@
 
 mod answer;
 mod change;
-mod describe;
 mod file;
 #[cfg(target_arch = "wasm32")]
 mod memory;

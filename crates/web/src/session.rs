@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::answer::Answer;
 use crate::meshes::Meshes;
 use crate::request::Request;
-use crate::{change, describe, file, tables, values};
+use crate::{change, file, tables, values};
 
 /// The meshes of a page, and what later requests can use again.
 #[derive(Default)]
@@ -42,8 +42,8 @@ impl Session {
                 meshes.forget(request.number("mesh")?);
                 Ok(Value::Null.into())
             }
-            "info" => describe::info(meshes, &request),
-            "compare" => describe::compare(meshes, &request),
+            "info" => values::info(meshes, &request),
+            "compare" => values::compare(meshes, &request),
             "curvature" => values::curvature(meshes, &request),
             "distance" => values::distance(meshes, &request),
             "spectrum" => values::spectrum(meshes, &request),

@@ -1,5 +1,6 @@
 //! The laboratory from disk: opening, computing, looking, and taking results along.
 
+mod memory;
 mod values;
 
 use std::io::{Read as _, Write as _};
@@ -33,7 +34,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("every_format_is_downloaded", downloads),
         ("broken_files_are_refused_in_words", broken),
         ("an_address_on_the_same_server_is_opened_and_no_other", addresses),
-        ("fifty_meshes_leave_memory_flat", memory),
+        ("fifty_meshes_leave_memory_flat", memory::flat),
         ("without_webgl_it_says_so", plain),
     ]
 }
@@ -535,62 +536,6 @@ fn addresses(chrome: &mut Chrome, report: &Path) -> Result<()> {
     let name = chrome.run("laboratory.name")?;
     ensure!(name == "ball.ply", "{name}");
     quiet(chrome)
-}
-
-/// The memory of the module, and that of the page after a collection.
-fn memory(chrome: &mut Chrome, report: &Path) -> Result<()> {
-    let script = "const Plain = Worker;
-      window.Worker = class extends Plain {
-        set onmessage(f) {
-          super.onmessage = (event) => {
-            if (event.data.size) window.size = event.data.size;
-            f(event);
-          };
-        }
-      };";
-    chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
-    open(chrome, report, "")?;
-    let [small, large] =
-        [4, 5].map(|level| ply(&shapes::icosphere(level), &VertexFields::default()));
-    chrome.run(&format!("window.files = ['{}', '{}']; 0", small?, large?))?;
-    // Thirty meshes of half a megabyte come and go between two measurements, with their fields and
-    // results. An allocator may still grow before it is full; a leak grows every time.
-    let mut used = vec![loaded(chrome, 20)?];
-    while used.len() < 4 {
-        used.push(loaded(chrome, 30)?);
-        let grown = |k: usize| used[used.len() - 1][k] - used[used.len() - 2][k];
-        if grown(0) < 2e6 && grown(1) < 5e6 {
-            return quiet(chrome);
-        }
-    }
-    anyhow::bail!("the module or the page grows: {used:?}")
-}
-
-/// Loads this many files and runs two tasks on each; returns the bytes of the module and, after a
-/// collection, of the page.
-fn loaded(chrome: &mut Chrome, files: usize) -> Result<[f64; 2]> {
-    let mut size = None;
-    // A few at a time: the browser must answer within a minute, on slow machines too.
-    for _ in 0..files / 5 {
-        let found = chrome.run(
-            "(async () => {
-               for (let i = 0; i < 5; i++) {
-                 await drop('ball.ply', files[i % 2]);
-                 task('curvature');
-                 await press('run');
-                 task('smooth');
-                 await press('run');
-               }
-               return [laboratory.took < Infinity, size];
-             })()",
-        )?;
-        ensure!(found[0] == true, "a task failed");
-        size = found[1].as_f64();
-    }
-    chrome.call("HeapProfiler.collectGarbage", json!({}))?;
-    let heap = chrome.call("Runtime.getHeapUsage", json!({}))?;
-    let page = ["usedSize", "backingStorageSize"].map(|key| heap[key].as_f64().unwrap_or(0.0));
-    Ok([size.context("no size")?, page[0] + page[1]])
 }
 
 fn plain(chrome: &mut Chrome, report: &Path) -> Result<()> {

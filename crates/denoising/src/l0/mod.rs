@@ -1,6 +1,5 @@
 //! L0 minimisation of dihedral bends.
 
-mod stencils;
 mod system;
 
 use fairing_mesh::TriMesh;
@@ -12,8 +11,7 @@ use rayon::prelude::*;
 use crate::error::DenoiseError;
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::masked::{Masked, on_oriented};
-use stencils::{Stencils, combine};
-use system::System;
+use system::{Stencils, System, combine};
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.

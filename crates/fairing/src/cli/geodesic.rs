@@ -13,9 +13,8 @@ use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, OptionalOutput};
-use super::formats::{INPUT_FORMAT, formats};
 use super::inputs::{Inputs, Summary, check_distinct, output_for};
-use super::surface::{Reading, Surface};
+use super::surface::{INPUT_FORMAT, Reading, Surface, formats};
 use super::table::{Table, cell, number};
 
 const EXAMPLES: &str = "\

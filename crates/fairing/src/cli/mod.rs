@@ -10,7 +10,6 @@ mod convert;
 mod curvature;
 mod denoise;
 mod files;
-mod formats;
 mod geodesic;
 mod info;
 mod inputs;
@@ -36,7 +35,7 @@ use fairing::watch::Watch;
 use indicatif::ProgressBar;
 
 use context::{Context, Failure};
-use formats::{INPUT_FORMAT, formats};
+use surface::{INPUT_FORMAT, formats};
 
 /// Formats, exit codes and examples, printed below the help of the program.
 fn after_help() -> String {

@@ -1,8 +1,7 @@
 //! Plots as drawings.
 
-use super::axis::{Axis, AxisScale, Range, label};
 use super::series::{QUIET, REFERENCE, Series, Shape, Style, slope_ends};
-use super::{Legend, Plot};
+use super::{Axis, AxisScale, Legend, Plot, Range, label};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
 use crate::error::FigureError;
 use crate::outline::Outline;

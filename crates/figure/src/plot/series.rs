@@ -1,6 +1,6 @@
 //! The data of plots.
 
-use super::axis::AxisScale;
+use super::AxisScale;
 use crate::drawing::Color;
 use crate::error::FigureError;
 use crate::outline::Outline;

@@ -72,7 +72,6 @@ mod row;
 mod stl;
 mod surface;
 mod text;
-mod triangulate;
 mod vtp;
 #[cfg(feature = "files")]
 mod whole;

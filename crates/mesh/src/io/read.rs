@@ -9,7 +9,7 @@ use crate::build::check_positions;
 use crate::io::error::Fault;
 use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
-use crate::io::triangulate::triangulate;
+use crate::io::surface::triangulate;
 use crate::io::{
     Format, ReadError, ReadProblem, ReadReport, Reader, Strictness, VertexFields, glb,
 };

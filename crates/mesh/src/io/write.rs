@@ -7,8 +7,7 @@ use std::path::Path;
 use crate::io::columns::as_properties;
 use crate::io::error::{WriteError, WriteProblem};
 use crate::io::fields::Attributes;
-use crate::io::surface::{Encoded, Faces, Surface};
-use crate::io::triangulate::of_polygons;
+use crate::io::surface::{Encoded, Faces, Surface, of_polygons};
 use crate::io::{FaceFields, Format, UnsupportedFields, VertexFields, WriteOptions, WriteReport};
 use crate::trimesh::TriMesh;
 

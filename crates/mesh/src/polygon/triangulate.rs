@@ -1,7 +1,6 @@
 //! Polygons split into triangles.
 
 mod ears;
-mod tree;
 
 use glam::DVec3;
 

@@ -6,7 +6,7 @@ use fairing_watch as watch;
 use rayon::prelude::*;
 
 use super::copies::without_copies;
-use super::near::within;
+use super::rounding::within;
 use super::{RepairOptions, RepairStep, Tolerance, Work, rounding, split};
 use crate::trimesh::TriMesh;
 use crate::weld::places_of;

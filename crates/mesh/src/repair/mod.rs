@@ -8,7 +8,6 @@
 mod copies;
 mod holes;
 mod merge;
-mod near;
 mod options;
 mod outward;
 mod patch;

@@ -314,7 +314,7 @@ fn faces_along_an_edge_belong_together_if_they_run_against_each_other() {
 
 fn merge_within(positions: &[[f64; 3]], distance: f64) -> usize {
     let all: Vec<u32> = (0..positions.len() as u32).collect();
-    let first = super::near::within(positions, &all, distance, |_| distance);
+    let first = super::rounding::within(positions, &all, distance, |_| distance);
     first.iter().enumerate().filter(|(v, first)| *v == **first as usize).count()
 }
 

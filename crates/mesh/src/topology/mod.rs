@@ -7,7 +7,6 @@
 mod boundary;
 mod components;
 mod edges;
-mod link;
 mod orientation;
 mod ring;
 

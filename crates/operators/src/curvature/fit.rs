@@ -191,9 +191,9 @@ impl PrincipalAxes {
 ///
 /// A neighbourhood with fewer than `at_least` others is widened; where the connected part has no
 /// more, the vertex has too few neighbours. One whose normals, averaged twice, turn by more than
-/// 30° from that of the vertex is no height field: fewer rings are taken there, and where these do not determine the fit,
-/// a quadric that is exact on spheres. Where the fit finds no solution the neighbours do not
-/// determine one.
+/// 30° from that of the vertex is no height field: fewer rings are taken there, and where these do
+/// not determine the fit, a quadric that is exact on spheres. Where the fit finds no solution the
+/// neighbours do not determine one.
 pub(crate) fn fit_each<F>(
     mesh: &TriMesh,
     neighborhood: Neighborhood,

@@ -27,7 +27,7 @@ pub(crate) fn assemble(
 /// `L` for uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Rows of
 /// `fixed` and isolated vertices are zero.
 pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
-    let (offsets, columns) = neighbor_lists(mesh.vertex_count(), mesh.faces(), fixed);
+    let (offsets, columns) = neighbor_lists(mesh, fixed);
     GraphLaplacian::uniform(offsets, columns)
 }
 
@@ -136,23 +136,8 @@ const MANY_FACES: usize = 64;
 
 /// The distinct neighbours of every vertex in compressed rows; `[v]` for an isolated or fixed
 /// vertex `v`.
-fn neighbor_lists(n: usize, faces: &[[u32; 3]], fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
-    let mut start = vec![0u32; n + 1];
-    for &v in faces.as_flattened() {
-        start[v as usize + 1] += 1;
-    }
-    for v in 0..n {
-        start[v + 1] += start[v];
-    }
-    let mut next = start.clone();
-    let mut around = vec![0u32; faces.len() * 3];
-    for (f, face) in faces.iter().enumerate() {
-        for &v in face {
-            let slot = &mut next[v as usize];
-            around[*slot as usize] = f as u32;
-            *slot += 1;
-        }
-    }
+fn neighbor_lists(mesh: &TriMesh, fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let (n, faces, incidence) = (mesh.vertex_count(), mesh.faces(), mesh.incidence());
     let pieces: Vec<(Vec<u32>, Vec<u32>)> = (0..n.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
@@ -161,21 +146,20 @@ fn neighbor_lists(n: usize, faces: &[[u32; 3]], fixed: &[bool]) -> (Vec<u32>, Ve
             let mut lengths = Vec::with_capacity(CHUNK);
             for v in vertices {
                 let begin = lists.len();
-                let around = &around[start[v] as usize..start[v + 1] as usize];
+                let around = incidence.corners(v as u32);
+                let of = |&corner: &u32| faces[corner as usize / 3];
                 if fixed[v] || around.is_empty() {
                     lists.push(v as u32);
                 } else if around.len() > MANY_FACES {
-                    let corners = around.iter().flat_map(|&f| faces[f as usize]);
+                    let corners = around.iter().flat_map(of);
                     let mut all: Vec<u32> = corners.filter(|&j| j as usize != v).collect();
                     all.sort_unstable();
                     all.dedup();
                     lists.extend(all);
                 } else {
-                    for &f in around {
-                        for j in faces[f as usize] {
-                            if j as usize != v && !lists[begin..].contains(&j) {
-                                lists.push(j);
-                            }
+                    for j in around.iter().flat_map(of) {
+                        if j as usize != v && !lists[begin..].contains(&j) {
+                            lists.push(j);
                         }
                     }
                 }

@@ -7,7 +7,6 @@ pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod error;
 pub(crate) mod implicit_steps;
-pub(crate) mod linear;
 pub(crate) mod outcome;
 pub(crate) mod resolvent;
 pub(crate) mod response;

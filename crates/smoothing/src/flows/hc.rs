@@ -7,9 +7,8 @@ use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::Smoothed;
-use crate::engine::response::{Stability, uniform_limit};
-use crate::engine::run::Observer;
-use crate::engine::run::{Run, RunSettings, StepNote};
+use crate::engine::run::{Observer, Run, RunSettings, StepNote};
+use crate::flows::explicit::{Stability, uniform_limit};
 
 fairing_parameters::options! {
     /// Options of [`hc`].

@@ -9,11 +9,10 @@ use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::implicit_steps::ImplicitSteps;
-use crate::engine::linear::at_once;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
-use crate::engine::run::Observer;
-use crate::engine::run::{Run, RunSettings};
+use crate::engine::run::{Observer, Run, RunSettings};
+use crate::engine::series::at_once;
 use crate::engine::updated::{Update, advance_updated};
 use crate::engine::volume::Volume;
 

@@ -10,11 +10,11 @@ use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 use crate::engine::constraints::{Constraints, SOFT};
 use crate::engine::diffusion::{Diffusion, TIME, Time, check_areas, chosen};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::at_once;
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
+use crate::engine::series::at_once;
 
 /// The transfer function of a filter: the factor of the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]

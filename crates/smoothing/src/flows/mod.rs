@@ -1,4 +1,4 @@
-//! The flows, one file each: its options, what they are at another scale, and what it does.
+//! One file per flow: its options, formula and entry point.
 
 pub(crate) mod conformal;
 pub(crate) mod explicit;

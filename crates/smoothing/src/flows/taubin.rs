@@ -8,12 +8,11 @@ use fairing_parameters::{Kind, Options, Parameter, ParameterError, Range};
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::linear::{at_once, explicit_steps};
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
-use crate::engine::response::Stability;
-use crate::engine::run::Observer;
-use crate::engine::run::{Run, RunSettings};
+use crate::engine::run::{Observer, Run, RunSettings};
+use crate::engine::series::{at_once, explicit_steps};
+use crate::flows::explicit::Stability;
 
 const MU: &str = "mu";
 

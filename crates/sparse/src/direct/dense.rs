@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::direct::backend::{self, NEGLIGIBLE, Stop, stops};
-use crate::simd::{self, Kernel, fused};
+use crate::parallel::{self, Kernel, fused};
 
 /// Columns eliminated together.
 const BLOCK: usize = 64;
@@ -40,7 +40,7 @@ impl Panel<'_> {
     ) -> Result<(), Stop> {
         let Self { values, width, height } = self;
         if width <= SMALL.0 && height <= SMALL.1 {
-            return simd::dispatch(Small { values, width, height, below, definite });
+            return parallel::dispatch(Small { values, width, height, below, definite });
         }
         for start in (0..width).step_by(BLOCK) {
             let end = (start + BLOCK).min(width);

@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 
 use crate::direct::supernodes::Supernodes;
-use crate::simd::{self, Kernel, fused};
+use crate::parallel::{self, Kernel, fused};
 
 /// Columns of a supernode processed together.
 const GROUP: usize = 4;
@@ -30,7 +30,7 @@ pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut 
             local[..part.columns.len()].copy_from_slice(&shared[part.columns.clone()]);
             let offset = part.columns.start;
             let nodes = part.nodes.clone();
-            simd::dispatch(Forward { factor, nodes, offset, x: &mut local });
+            parallel::dispatch(Forward { factor, nodes, offset, x: &mut local });
             local
         })
         .collect();
@@ -43,8 +43,8 @@ pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut 
         }
     }
     let top = nodes.top().iter().map(to_usize as fn(&u32) -> usize);
-    simd::dispatch(Forward { factor, nodes: top.clone(), offset: 0, x: &mut *x });
-    simd::dispatch(Backward { factor, nodes: top.rev(), offset: 0, x: &mut *x });
+    parallel::dispatch(Forward { factor, nodes: top.clone(), offset: 0, x: &mut *x });
+    parallel::dispatch(Backward { factor, nodes: top.rev(), offset: 0, x: &mut *x });
     let shared = &*x;
     let locals: Vec<Vec<[f64; B]>> = nodes
         .parts()
@@ -56,7 +56,7 @@ pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut 
             }
             let offset = part.columns.start;
             let nodes = part.nodes.clone().rev();
-            simd::dispatch(Backward { factor, nodes, offset, x: &mut local });
+            parallel::dispatch(Backward { factor, nodes, offset, x: &mut local });
             local
         })
         .collect();

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::direct::factor::LANES;
-use crate::simd::{self, Kernel, fused};
+use crate::parallel::{self, Kernel, fused};
 
 /// Eight interleaved vectors.
 pub(crate) type Block = Vec<[f64; LANES]>;
@@ -41,7 +41,7 @@ pub(crate) fn weighted_products(
             let mut sums = vec![[[0.0; LANES]; LANES]; basis.len()];
             let from = segment * SEGMENT;
             let weights = weights.map(|d| &d[from..from + w.len()]);
-            simd::dispatch(Products { basis, from, weights, w, sums: &mut sums });
+            parallel::dispatch(Products { basis, from, weights, w, sums: &mut sums });
             sums
         })
         .collect();
@@ -61,7 +61,7 @@ pub(crate) fn weighted_squares(weights: &[f64], w: &[[f64; LANES]]) -> [f64; LAN
     let parts: Vec<[f64; LANES]> = w
         .par_chunks(SEGMENT)
         .zip(weights.par_chunks(SEGMENT))
-        .map(|(w, weights)| simd::dispatch(Squares { weights, w }))
+        .map(|(w, weights)| parallel::dispatch(Squares { weights, w }))
         .collect();
     parts.iter().fold([0.0; LANES], |sum, part| std::array::from_fn(|j| sum[j] + part[j]))
 }
@@ -69,7 +69,7 @@ pub(crate) fn weighted_squares(weights: &[f64], w: &[[f64; LANES]]) -> [f64; LAN
 /// W ← W − Σ U C over the blocks U of the basis.
 pub(crate) fn subtract(basis: &[Block], coefficients: &[Small], w: &mut [[f64; LANES]]) {
     w.par_chunks_mut(SEGMENT).enumerate().for_each(|(segment, w)| {
-        simd::dispatch(Subtract { basis, coefficients, from: segment * SEGMENT, w });
+        parallel::dispatch(Subtract { basis, coefficients, from: segment * SEGMENT, w });
     });
 }
 
@@ -97,7 +97,7 @@ pub(crate) fn combine(
     }
     segments.into_par_iter().enumerate().for_each(|(k, pieces)| {
         for (w, coefficients) in pieces.into_iter().zip(&coefficients) {
-            simd::dispatch(Subtract { basis, coefficients, from: k * SHARED, w });
+            parallel::dispatch(Subtract { basis, coefficients, from: k * SHARED, w });
         }
     });
     results
@@ -106,7 +106,7 @@ pub(crate) fn combine(
 /// W ← W C.
 pub(crate) fn transform(w: &mut [[f64; LANES]], c: &Small) {
     w.par_chunks_mut(SEGMENT).for_each(|w| {
-        simd::dispatch(Transform { w, c });
+        parallel::dispatch(Transform { w, c });
     });
 }
 

@@ -11,11 +11,10 @@ use std::collections::hash_map::Entry;
 
 use ndarray::Array2;
 
-use crate::components::components;
+use crate::components::{components, constant_components};
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
-use crate::eigen::{Beyond, EigenOptions, EigenPairs};
-use crate::eigen::{nullspace, solve};
+use crate::eigen::{Beyond, EigenOptions, EigenPairs, solve};
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{self, Rows, SparseMatrix};
@@ -152,7 +151,7 @@ fn smallest(
     let share = |part: &Part, pairs: usize| {
         (pairs as f64 * (part.mass.view().total() / total)).round() as usize
     };
-    let zeros_of = |part: &Part| nullspace::constant_components(Rows::new(&part.stiffness)).0;
+    let zeros_of = |part: &Part| constant_components(Rows::new(&part.stiffness)).0;
     let zeros: Vec<usize> = parts.iter().map(zeros_of).collect();
     let all_zeros: usize = parts.iter().zip(&zeros).map(|(p, zeros)| p.copies.len() * zeros).sum();
     for (part, zeros) in parts.iter_mut().zip(zeros) {

@@ -2,15 +2,15 @@
 
 use ndarray::{Array2, ArrayView1};
 
+use crate::components;
 use crate::direct::backend;
-use crate::eigen::nullspace;
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
 /// The M-normalised constants that S maps to zero.
 fn constants(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<f64>> {
-    let (count, component) = nullspace::constant_components(Rows::new(stiffness));
+    let (count, component) = components::constant_components(Rows::new(stiffness));
     (0..count as u32)
         .map(|c| {
             let indicator: Vec<f64> =

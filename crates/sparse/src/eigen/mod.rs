@@ -13,13 +13,11 @@ mod certificate;
 mod components;
 mod dense;
 mod lanczos;
-mod nullspace;
 mod operator;
 mod polish;
 mod problem;
 mod projected;
 mod run;
-mod shift;
 mod slices;
 mod solve;
 

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::components;
 use crate::direct::cholesky::{Cholesky, SymbolicCholesky};
 use crate::direct::factor::{Factor, LANES};
 use crate::direct::ldlt::Ldlt;
 use crate::direct::ordering::{self, Ordering};
 use crate::eigen::basis::{self, Block, Small, products, weighted_products};
-use crate::eigen::nullspace;
 use crate::error::SparseError;
 use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
@@ -83,9 +83,9 @@ impl Problem {
                 OrderedMass::Consistent { matrix, factor: factor.into_factor() }
             }
         };
-        let constants = nullspace::constant_components(Rows::new(&stiffness));
+        let constants = components::constant_components(Rows::new(&stiffness));
         let constant_masses = component_masses(&mass, &constants);
-        let excess = nullspace::row_sums(Rows::new(&stiffness));
+        let excess = components::row_sums(Rows::new(&stiffness));
         Ok(Self {
             excess,
             constants,

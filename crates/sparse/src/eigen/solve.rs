@@ -9,7 +9,7 @@ use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
 use crate::eigen::run::{Below, Found, Run};
-use crate::eigen::{EigenOptions, EigenPairs, dense, shift, slices};
+use crate::eigen::{EigenOptions, EigenPairs, dense, operator, slices};
 use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
@@ -148,7 +148,7 @@ fn run_from_below(
 ) -> Result<f64, SparseError> {
     let constants = found.lambdas.len();
     let locked: Vec<Block> = if constants <= LANES { found.blocks.clone() } else { vec![] };
-    let mut operator = shift::for_smallest(problem, constants + wanted)?;
+    let mut operator = operator::for_smallest(problem, constants + wanted)?;
     let mut exact = false;
     loop {
         let mut run = Run::new(&operator, &locked, wanted, options);

@@ -7,12 +7,10 @@ use glam::{DAffine3, DMat3, DVec3};
 use crate::io::NumberType;
 use crate::io::columns::{NamedArray, from_arrays};
 use crate::io::error::{Fault, unexpected};
-use crate::io::glb::accessor::Accessors;
+use crate::io::glb::accessor::{Accessors, to_srgb};
 use crate::io::glb::buffers::Beside;
-use crate::io::glb::color::to_srgb;
-use crate::io::glb::document::{Document, POINTS, TRIANGLES};
+use crate::io::glb::document::{Document, Instance, POINTS, TRIANGLES, instances};
 use crate::io::glb::entry::Entry;
-use crate::io::glb::scene::{Instance, instances};
 use crate::io::parsed::{Broken, NO_VERTEX, Parsed, check_finite, strip_triangles, vertex_index};
 
 /// The most attributes that a note names.

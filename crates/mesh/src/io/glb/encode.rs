@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::io::columns::width_of;
 use crate::io::error::WriteProblem;
-use crate::io::glb::color::to_linear;
+use crate::io::glb::accessor::to_linear;
 use crate::io::glb::document::{BINARY, JSON, MAGIC, NAME, POINTS, TRIANGLES};
 use crate::io::number_type::NumberType;
 use crate::io::surface::{Encoded, Surface, lines};

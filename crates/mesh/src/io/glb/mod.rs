@@ -8,11 +8,9 @@
 mod accessor;
 mod assemble;
 mod buffers;
-mod color;
 mod document;
 mod encode;
 mod entry;
-mod scene;
 
 pub(super) use crate::io::glb::assemble::parse;
 pub(super) use crate::io::glb::buffers::Beside;

@@ -8,11 +8,10 @@
 //! After `OFF BINARY`, numbers are big-endian and of 32 bits.
 
 mod binary;
-mod content;
 
 use crate::io::error::{Fault, WriteProblem, unexpected};
 use crate::io::number::{put_float, put_integer, put_triple};
-use crate::io::off::content::{Prefixes, Vertices, finish_faces};
+use crate::io::off::binary::{Prefixes, Vertices, finish_faces};
 use crate::io::parsed::{Broken, FaceList, Parsed, bytes_of_colors, check_finite};
 use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, face_lines, lines};
