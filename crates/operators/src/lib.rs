@@ -13,7 +13,6 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-mod area;
 mod assembly;
 mod corners;
 pub mod curvature;
@@ -29,17 +28,14 @@ mod normals;
 mod polygon;
 mod stiffness;
 pub mod surface;
-mod symmetric;
 mod tangent;
-mod uniform;
 
-pub use area::LumpedArea;
 pub use corners::check_faces;
 pub use curvature::PrincipalAxes;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
-pub use kind::{LaplacianKind, MassKind};
+pub use kind::{LaplacianKind, LumpedArea, MassKind};
 pub use laplacian::{
     CotangentPattern, Intrinsic, Laplacian, MassMatrix, Reason, Restricted, ThinFaces, choose,
     positive_lumped_mass,
@@ -48,6 +44,5 @@ pub use mass::{consistent_mass, lumped_mass};
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};
-pub use stiffness::cotan_stiffness;
+pub use stiffness::{combinatorial_laplacian, cotan_stiffness, random_walk_laplacian};
 pub use tangent::tangent_frame;
-pub use uniform::{combinatorial_laplacian, random_walk_laplacian};

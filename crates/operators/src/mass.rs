@@ -3,10 +3,10 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::area::LumpedArea;
 use crate::assembly::{Diagonal, SideSums};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
+use crate::kind::LumpedArea;
 
 impl LumpedArea {
     /// The area of each corner of a face, in squared mesh units, summing to

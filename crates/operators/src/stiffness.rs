@@ -1,4 +1,4 @@
-//! Cotangent stiffness of a triangle mesh.
+//! Cotangent stiffness of a triangle mesh, and the uniform Laplacians of its graph of edges.
 //!
 //! For hat functions φ, with α and β the angles opposite edge ij,
 //!
@@ -13,10 +13,12 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
+use rayon::prelude::*;
 
-use crate::assembly::{Diagonal, SideSums};
+use crate::assembly::{Diagonal, SideSums, assemble};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
+use crate::fan::Fan;
 
 /// Assembles the cotangent stiffness matrix.
 ///
@@ -72,4 +74,109 @@ pub(crate) fn on_pattern(
         Ok(face.half_cotangents().map(|half| -half))
     });
     sums?.matrix(pattern)
+}
+
+/// Assembles the combinatorial Laplacian `D − A`.
+///
+/// ```text
+/// Lᵢⱼ = −1 for an edge ij,    Lᵢᵢ = dᵢ, the number of edges at i
+/// ```
+///
+/// `n × n`, symmetric, **positive** semi-definite, zero row sums,
+/// dimensionless. An edge counts once, whatever the number of its faces;
+/// boundary vertices are treated as any other; an isolated vertex has an
+/// explicit zero on the diagonal. Source: [taubin1995].
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] beyond 2³² entries.
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+#[doc(alias("graph_laplacian", "uniform_laplace_matrix"))]
+pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
+    assemble(mesh, |fan, place, row| {
+        row.fill(-1.0);
+        row[place] = fan.neighbors.len() as f64;
+    })
+}
+
+/// Assembles the random-walk Laplacian `L = D⁻¹A − I`, the operator of
+/// explicit uniform smoothing: `(L x)ᵢ` leads from xᵢ to the mean of its
+/// neighbours.
+///
+/// ```text
+/// Lᵢⱼ = 1/dᵢ for an edge ij,    Lᵢᵢ = −1
+/// ```
+///
+/// `n × n`, not symmetric, **negative** semi-definite in the inner product
+/// weighted by D: its eigenvalues lie in \[−2, 0\]. Zero row sums,
+/// dimensionless. The row of an isolated vertex is zero, so that it stays
+/// where it is. Source: [taubin1995].
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] beyond 2³² entries.
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+#[doc(alias = "laplacian_calculation")]
+pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
+    assemble(mesh, |fan, place, row| {
+        let degree = fan.neighbors.len();
+        if degree > 0 {
+            row.fill(1.0 / degree as f64);
+            row[place] = -1.0;
+        }
+    })
+}
+
+/// The number of edges at each vertex.
+pub(crate) fn degrees(mesh: &TriMesh) -> Vec<f64> {
+    let incidence = mesh.incidence();
+    let degree = |fan: &mut Fan, v: u32| {
+        fan.gather(incidence.sides(v).iter().copied());
+        fan.neighbors.len() as f64
+    };
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(2048)
+        .map_init(Fan::default, degree)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles on the edge 12, and an isolated vertex.
+    fn kite() -> TriMesh {
+        TriMesh::new(vec![[0.0; 3]; 5], vec![[0, 1, 2], [3, 2, 1]]).unwrap()
+    }
+
+    #[test]
+    fn combinatorial_entries() {
+        let l = combinatorial_laplacian(&kite()).unwrap();
+        let expected = [
+            [2.0, -1.0, -1.0, 0.0, 0.0],
+            [-1.0, 3.0, -1.0, -1.0, 0.0],
+            [-1.0, -1.0, 3.0, -1.0, 0.0],
+            [0.0, -1.0, -1.0, 2.0, 0.0],
+            [0.0; 5],
+        ];
+        assert_eq!(l.to_dense(), ndarray::arr2(&expected));
+        assert_eq!(l.nnz(), 15);
+    }
+
+    #[test]
+    fn random_walk_entries() {
+        let l = random_walk_laplacian(&kite()).unwrap();
+        let (h, t) = (0.5, 1.0 / 3.0);
+        let expected = [
+            [-1.0, h, h, 0.0, 0.0],
+            [t, -1.0, t, t, 0.0],
+            [t, t, -1.0, t, 0.0],
+            [0.0, h, h, -1.0, 0.0],
+            [0.0; 5],
+        ];
+        assert_eq!(l.to_dense(), ndarray::arr2(&expected));
+    }
 }

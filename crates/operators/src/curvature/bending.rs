@@ -7,8 +7,7 @@ use rayon::prelude::*;
 use super::field::AtVertex;
 use super::status::Undefined;
 use crate::normals::face_normals;
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
+use crate::tangent::{Symmetric2, tangent_frame};
 
 /// The dihedral angle of each edge times its length, in edge order: twice the
 /// mean curvature of the edge, integrated, in mesh units.

@@ -6,9 +6,9 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
 use crate::fan::Fan;
+use crate::kind::LumpedArea;
 
 /// Vertices handed to a thread at a time.
 const VERTICES_PER_TASK: usize = 2048;

@@ -30,8 +30,7 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 use crate::normals::{NormalWeight, weighted_vertex_normals};
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
+use crate::tangent::{Symmetric2, tangent_frame};
 
 /// The measures of a part of a surface, integrated; they add up.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -19,9 +19,8 @@ use super::from_laplacian::laplacian_curvature;
 use super::gaussian::undefined;
 use super::oriented::on_oriented;
 use super::status::Undefined;
-use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::kind::{LaplacianKind, MassKind};
+use crate::kind::{LaplacianKind, LumpedArea, MassKind};
 use crate::laplacian::{Laplacian, Reason, choose};
 
 fairing_parameters::options! {

@@ -23,12 +23,11 @@ use rayon::prelude::*;
 use super::field::{AtVertex, CurvatureField, boundary_flags};
 use super::oriented::on_oriented;
 use super::status::Undefined;
-use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
+use crate::kind::LumpedArea;
 use crate::normal_equations::NormalEquations;
 use crate::normals::{NormalWeight, weighted_vertex_normals};
-use crate::symmetric::Symmetric2;
-use crate::tangent::{tangent_frame, turn_between};
+use crate::tangent::{Symmetric2, tangent_frame, turn_between};
 
 fairing_parameters::options! {
     /// Options of [`face_tensor_curvature`].

@@ -14,8 +14,7 @@ use crate::error::OperatorError;
 use crate::normal_equations::NormalEquations;
 use crate::normals::{NormalWeight, smoothed_normals, weighted_vertex_normals};
 use crate::surface::{ChartNormal, FundamentalForms, SurfaceJet};
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
+use crate::tangent::{Symmetric2, tangent_frame};
 
 /// A neighbourhood as a height field: the vertex in the origin, its normal
 /// upwards, lengths in units of `scale`.

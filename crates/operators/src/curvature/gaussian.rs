@@ -20,10 +20,10 @@ use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
-use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
 use crate::error::OperatorError;
 use crate::fan::Fan;
+use crate::kind::LumpedArea;
 use crate::mass::lumped_mass;
 
 /// The angle defect of each vertex: its Gaussian curvature, integrated.

@@ -10,10 +10,10 @@ use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
 use super::oriented::{Signed, on_oriented};
 use super::status::{ScalarCurvature, VertexStatus};
-use crate::area::LumpedArea;
 use crate::corners::check_faces;
 use crate::error::OperatorError;
 use crate::fan::Fan;
+use crate::kind::LumpedArea;
 
 /// The mean curvature at each vertex, and the vectors behind it.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-use super::triangulation::{BORDER, Triangulation};
+use super::delaunay::{BORDER, Triangulation};
 use crate::tangent::tangent_frame;
 
 /// The tufted cover: a front and a back of each face, face f and F + f. Around
@@ -95,7 +95,7 @@ mod tests {
         for s in 0..t.start.len() {
             let twin = t.twin[s] as usize;
             assert_eq!(t.twin[twin], s as u32, "glued both ways");
-            let end = |s: usize| t.start[super::super::triangulation::after(s as u32) as usize];
+            let end = |s: usize| t.start[super::super::delaunay::after(s as u32) as usize];
             assert_eq!((t.start[s], end(s)), (end(twin), t.start[twin]), "opposite directions");
             assert_eq!(t.length[s], t.length[twin]);
         }

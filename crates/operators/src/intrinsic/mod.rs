@@ -13,6 +13,5 @@ mod cover;
 mod delaunay;
 mod mollify;
 mod robust;
-mod triangulation;
 
 pub use robust::{IntrinsicFaces, RobustLaplacian, robust_laplacian};

@@ -15,7 +15,7 @@
 //!
 //! [sharp2020]: https://doi.org/10.1111/cgf.14069
 
-use super::triangulation::{BORDER, Triangulation};
+use super::delaunay::{BORDER, Triangulation};
 
 /// Result of mollification.
 #[derive(Debug, Clone, Copy, PartialEq)]

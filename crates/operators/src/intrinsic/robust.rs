@@ -4,8 +4,7 @@ use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
 use super::cover::tufted;
-use super::delaunay::Flips;
-use super::triangulation::{Triangulation, after, before};
+use super::delaunay::{Flips, Triangulation, after, before};
 use crate::assembly::sum_entries;
 use crate::error::OperatorError;
 

@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use fairing_mesh::TriMesh;
 use fairing_sparse::{Mass, SparseMatrix};
 
-use crate::area::LumpedArea;
 use crate::error::OperatorError;
+use crate::kind::LumpedArea;
 use crate::kind::{LaplacianKind, MassKind};
 use crate::mass::{consistent_on_pattern, lumped_mass};
-use crate::uniform::degrees;
+use crate::stiffness::degrees;
 
 /// A mass matrix, diagonal or sparse.
 #[derive(Debug, Clone, PartialEq)]

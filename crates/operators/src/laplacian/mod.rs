@@ -30,7 +30,7 @@ use crate::intrinsic::{IntrinsicFaces, RobustLaplacian, robust_laplacian};
 use crate::kind::{LaplacianKind, MassKind};
 use crate::polygon::{PolygonLaplacian, polygon_laplacian};
 use crate::stiffness;
-use crate::uniform::combinatorial_laplacian;
+use crate::stiffness::combinatorial_laplacian;
 
 use choice::Choice;
 pub use choice::{Reason, choose};

@@ -13,9 +13,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
-use crate::area::LumpedArea;
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
+use crate::kind::LumpedArea;
 
 /// The number of corners above which a row finds its columns by bisection.
 const MANY_CORNERS: usize = 64;

@@ -1,9 +1,8 @@
-//! First and second fundamental form, and the curvatures in them.
+//! First and second fundamental form of a surface with two derivatives, and the curvatures in them.
 
 use glam::DVec3;
 
-use super::jet::{ChartNormal, SurfaceJet};
-use crate::symmetric::Symmetric2;
+use crate::tangent::Symmetric2;
 
 /// The smallest sine of the angle between ∂p/∂u and ∂p/∂v, or ratio of their
 /// lengths, at which the unit normal is more than rounding.
@@ -108,4 +107,32 @@ impl FundamentalForms {
         let directions = parameters.map(|[u, v]| (u * du + v * dv).to_array());
         PrincipalDirections { values, directions, parameters }
     }
+}
+
+/// A point of a parametric surface with its derivatives to second order, in
+/// mesh units per unit of the parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceJet {
+    /// p
+    pub point: [f64; 3],
+    /// ∂p/∂u
+    pub du: [f64; 3],
+    /// ∂p/∂v
+    pub dv: [f64; 3],
+    /// ∂²p/∂u²
+    pub duu: [f64; 3],
+    /// ∂²p/∂u∂v
+    pub duv: [f64; 3],
+    /// ∂²p/∂v²
+    pub dvv: [f64; 3],
+}
+
+/// The side of the surface that `∂p/∂u × ∂p/∂v` points to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ChartNormal {
+    /// Outward; also for surfaces without an inside, where this side is called
+    /// the outer one.
+    Outward,
+    /// Inward.
+    Inward,
 }

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
+use crate::tangent::{Symmetric2, tangent_frame};
 
 /// A surface `f(p) = 0` with f growing outward.
 pub trait ImplicitSurface {

@@ -12,17 +12,15 @@ mod forms;
 mod graph;
 mod helicoid;
 mod implicit;
-mod jet;
 mod sphere;
 mod torus;
 
 pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
-pub use forms::{FundamentalForms, PrincipalDirections};
+pub use forms::{ChartNormal, FundamentalForms, PrincipalDirections, SurfaceJet};
 pub use graph::WavyGraph;
 pub use helicoid::Helicoid;
 pub use implicit::{ImplicitSurface, PointCurvature};
-pub use jet::{ChartNormal, SurfaceJet};
 pub use sphere::Sphere;
 pub use torus::Torus;
 

@@ -11,7 +11,7 @@ use super::noise::Noise;
 use super::regression::density;
 use super::risk::SquaredBias;
 use super::site::{Site, Sites};
-use crate::symmetric::Symmetric2;
+use crate::tangent::Symmetric2;
 
 /// The weight of a candidate is the risk to the power of minus this.
 const POWER: i32 = 4;
