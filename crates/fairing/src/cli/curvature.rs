@@ -130,7 +130,7 @@ fn say(context: &Context, field: &CurvatureField, report: &Value) -> Result<(), 
     if narrowed > 0 {
         context.note(format_args!(
             "fewer rings or a lower degree at {narrowed} of {vertices} vertices, where the \
-             neighbourhood turns by more than 30° from the vertex"
+             neighbourhood turns by more than 60°"
         ));
     }
     if *undefined != 0 {

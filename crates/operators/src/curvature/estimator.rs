@@ -110,8 +110,8 @@ mod tests {
         }
     }
 
-    /// The first ring of a sphere of 42 vertices turns by more than 30°, and one ring determines no
-    /// cubic.
+    /// The second ring of a sphere of 42 vertices turns by more than 60°, and one ring determines
+    /// no cubic.
     #[test]
     fn coarse_spheres_are_fitted_with_fewer_rings() {
         for (level, limit) in [(1, 0.1), (2, 0.06), (3, 0.06)] {
@@ -133,10 +133,10 @@ mod tests {
         }
     }
 
-    /// Three rings of a cylinder with 32 vertices around turn by 34° from the vertex: a cubic over
-    /// them is 10 % off.
+    /// Three rings of a tube with 32 vertices around turn by 34° from the vertex: a cubic height
+    /// field over them is 10 % off.
     #[test]
-    fn tubes_are_fitted_with_fewer_rings() {
+    fn bent_tubes_are_within_six_per_cent() {
         let tube = fairing_shapes::torus(20.0, 0.4, 1500, 32);
         for name in ["quadric", "jet2", "jet3", "jet4"] {
             let field = name.parse::<Estimator>().unwrap().estimate(&tube).unwrap();

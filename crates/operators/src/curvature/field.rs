@@ -34,8 +34,8 @@ pub struct CurvatureField {
     ///
     /// [`cotangent_curvature`]: super::cotangent_curvature
     pub too_thin: Option<u32>,
-    /// The vertices whose neighbourhood has normals more than 30° from theirs, so that a fit took
-    /// fewer rings or a lower degree there; zero for estimators that fit no polynomial.
+    /// The vertices whose neighbourhood turns by more than 60°, so that a fit took fewer rings or a
+    /// lower degree there; zero for estimators that fit no polynomial.
     pub narrowed: usize,
     /// Standard errors and scales, of the estimator that knows them ([`adaptive_curvature`]).
     ///

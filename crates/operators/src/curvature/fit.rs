@@ -30,6 +30,8 @@ pub(crate) struct HeightField<'a> {
     scale: f64,
     /// The units of the two axes over `scale`.
     units: [f64; 2],
+    /// True if the neighbourhood is far from flat.
+    is_bent: bool,
 }
 
 /// The least ratio of the units of the axes. Heights are rounded to ε of the
@@ -45,6 +47,7 @@ impl<'a> HeightField<'a> {
         vertices: &[u32],
         normal: DVec3,
         points: &'a mut Vec<[f64; 3]>,
+        is_bent: bool,
     ) -> Option<Self> {
         let positions = mesh.positions();
         let at = |w: u32| DVec3::from(positions[w as usize]);
@@ -69,7 +72,7 @@ impl<'a> HeightField<'a> {
             [*x, *y, *z] = [(c * *x + s * *y) * a, (c * *y - s * *x) * b, *z * unit];
         }
         let frame = [c * e1 + s * e2, c * e2 - s * e1];
-        Some(Self { points, frame, normal, scale, units: axes.units })
+        Some(Self { points, frame, normal, scale, units: axes.units, is_bent })
     }
 
     /// `[x, y, z]` of the neighbours, without the vertex itself; x and y each
@@ -86,30 +89,44 @@ impl<'a> HeightField<'a> {
         (a * x).powi(2) + (b * y).powi(2) + z * z
     }
 
-    /// The curvature of the quadric `1, x, y, xy, x² − y², x² + y² + z²` that fits the vertex and
-    /// its neighbours, which is exact on spheres however coarse. As a level set F = 0 of such a
-    /// quadric less z, a height field has `zₓ = −Fₓ/F_z` and `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`.
-    fn with_spheres(&self) -> Option<AtVertex> {
-        let [a, b] = self.units;
-        let mut equations = NormalEquations::<6>::default();
-        equations.add(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0, 1.0);
+    /// The factors of z² that are added to x² and y², in the units of the axes.
+    pub(crate) fn bends(&self) -> [f64; 2] {
+        self.units.map(|u| if self.is_bent { 0.5 / (u * u) } else { 0.0 })
+    }
+
+    /// The curvature of the polynomial that fits the vertex and its neighbours, each with its
+    /// weight, in the given monomials, of which the first six are `1, x, y, x², xy, y²`.
+    ///
+    /// Where the neighbourhood is bent, `x² + z²/2` and `y² + z²/2` stand for the squares: on
+    /// spheres the fit is exact then, and on cylinders its error is halved. As a level set F = 0 of
+    /// such a polynomial less z, a height field has `zₓ = −Fₓ/F_z` and `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`.
+    #[inline]
+    pub(crate) fn fit<const N: usize>(
+        &self,
+        monomials: impl Fn(f64, f64) -> [f64; N],
+        weight: impl Fn([f64; 3]) -> f64,
+    ) -> Option<AtVertex> {
+        let bends = self.bends();
+        let mut equations = NormalEquations::<N>::default();
+        equations.add(&monomials(0.0, 0.0), 0.0, 1.0);
         for point in self.neighbors() {
             let [x, y, z] = point;
-            let across = (a * x).powi(2) - (b * y).powi(2);
-            equations.add(&[1.0, x, y, x * y, across, self.squared_distance(point)], z, 1.0);
+            let mut row = monomials(x, y);
+            row[3] += bends[0] * z * z;
+            row[5] += bends[1] * z * z;
+            equations.add(&row, z, weight(point));
         }
-        let [z, x, y, xy, across, round] = equations.solve()?;
-        let slope = 1.0 - 2.0 * round * z;
+        let c = equations.solve()?;
+        let bend = 2.0 * (bends[0] * c[3] + bends[1] * c[5]);
+        let slope = 1.0 - bend * c[0];
         if slope <= 0.0 {
             return None;
         }
-        let [zx, zy] = [x / slope, y / slope];
-        let second = |own: f64, bend: f64| (own + 2.0 * round * bend) / slope;
-        let along = 2.0 * (round + across) * a * a;
-        let other = 2.0 * (round - across) * b * b;
+        let [zx, zy] = [c[1] / slope, c[2] / slope];
+        let second = |own: f64, square: f64| (own + bend * square) / slope;
         self.curvature(
             [zx, zy],
-            [second(along, zx * zx), second(xy, zx * zy), second(other, zy * zy)],
+            [second(2.0 * c[3], zx * zx), second(c[4], zx * zy), second(2.0 * c[5], zy * zy)],
         )
     }
 
@@ -135,12 +152,14 @@ impl<'a> HeightField<'a> {
     }
 }
 
-/// The least cosine of a normal of a neighbourhood to that of its vertex: at 30°, the neighbourhood
-/// turns by 60° from one side to the other.
-const MIN_COSINE: f64 = 0.866;
+/// The least cosine between the normals of a neighbourhood that is a height field: 60°.
+const MIN_COSINE: f64 = 0.5;
 
-/// The neighbours that determine a fit with spheres.
-const OF_SPHERES: usize = 5;
+/// The least cosine of one that is nearly flat, where z² is negligible beside x² + y²: 30°.
+const FLAT_COSINE: f64 = 0.866;
+
+/// The neighbours that determine a quadric.
+const OF_QUADRIC: usize = 5;
 
 /// The rings from which a ball that turns too far is narrowed.
 const RINGS_OF_BALLS: u32 = 3;
@@ -186,13 +205,19 @@ impl PrincipalAxes {
     }
 }
 
+/// `1, x, y, x², xy, y²`.
+#[inline]
+pub(crate) fn quadratic(x: f64, y: f64) -> [f64; 6] {
+    [1.0, x, y, x * x, x * y, y * y]
+}
+
 /// Fits every vertex on its own.
 ///
 /// A neighbourhood with fewer than `at_least` others is widened; where the connected part has no
 /// more, the vertex has too few neighbours. One whose normals, averaged twice, turn by more than
-/// 30° from that of the vertex is no height field: fewer rings are taken there, and where these do
-/// not determine the fit, a quadric that is exact on spheres. Where the fit finds no solution the
-/// neighbours do not determine one.
+/// 60° from that of the vertex is no height field: fewer rings are taken there, and where these do
+/// not determine the fit, a quadric. Where the fit finds no solution the neighbours do not determine
+/// one.
 pub(crate) fn fit_each<F>(
     mesh: &TriMesh,
     neighborhood: Neighborhood,
@@ -218,9 +243,9 @@ where
     let topology: &Topology = mesh.topology();
     let normals = weighted_vertex_normals(mesh, NormalWeight::Area);
     let smooth = smoothed_normals(mesh, &normals);
-    let turns = |found: &[u32]| {
+    let turns = |found: &[u32], least: f64| {
         let centre = smooth[found[0] as usize];
-        found.iter().any(|&w| smooth[w as usize].dot(centre) < MIN_COSINE)
+        found.iter().any(|&w| smooth[w as usize].dot(centre) < least)
     };
     let narrowed = AtomicUsize::new(0);
     let at_vertex = |(explorer, points): &mut (Explorer, Vec<[f64; 3]>), v: u32| {
@@ -232,15 +257,15 @@ where
             return Err(Undefined::NoArea);
         }
         explorer.explore(mesh, topology, v, &reach, at_least);
-        if explorer.found.len() <= at_least.min(OF_SPHERES) {
+        if explorer.found.len() <= at_least.min(OF_QUADRIC) {
             return Err(Undefined::TooFewNeighbors);
         }
-        let too_wide = turns(&explorer.found);
+        let too_wide = turns(&explorer.found, MIN_COSINE);
         if too_wide {
             let rings = if let Reach::Rings(count) = reach { count } else { RINGS_OF_BALLS };
             for fewer in (1..rings.max(2)).rev() {
-                explorer.explore(mesh, topology, v, &Reach::Rings(fewer), OF_SPHERES);
-                if !turns(&explorer.found) {
+                explorer.explore(mesh, topology, v, &Reach::Rings(fewer), OF_QUADRIC);
+                if !turns(&explorer.found, MIN_COSINE) {
                     break;
                 }
             }
@@ -252,10 +277,11 @@ where
         if too_wide {
             narrowed.fetch_add(1, Ordering::Relaxed);
         }
-        let field = HeightField::new(mesh, &explorer.found, normal, points);
+        let is_bent = turns(&explorer.found, FLAT_COSINE);
+        let field = HeightField::new(mesh, &explorer.found, normal, points, is_bent);
         let field = field.ok_or(Undefined::IllConditioned)?;
         let found = if is_lower { None } else { fit(&field) };
-        let found = found.or_else(|| if too_wide { field.with_spheres() } else { None });
+        let found = found.or_else(|| if too_wide { field.fit(quadratic, |_| 1.0) } else { None });
         found.ok_or(Undefined::IllConditioned)
     };
     let mut field = CurvatureField::at_each_vertex(mesh, at_vertex);

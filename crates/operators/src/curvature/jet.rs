@@ -11,7 +11,8 @@
 //! derivatives have an error of order h^(d − 1): jets converge in the maximum
 //! norm on irregular meshes. Coordinates are along the principal axes of the
 //! neighbours, each in its own unit: long faces are fitted as well as round ones.
-//! Source: [cazals2005].
+//! Where normals turn by more than 30° from that of the vertex, `x² + z²/2` and `y² + z²/2` stand
+//! for `x²` and `y²`, so that spheres are fitted exactly. Source: [cazals2005].
 //!
 //! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 
@@ -19,10 +20,9 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::{Field, Kind, Options, Parameter, ParameterError, Range, Value, Values};
 
 use super::field::{AtVertex, CurvatureField};
-use super::fit::{HeightField, fit_each};
+use super::fit::{HeightField, fit_each, quadratic};
 use super::neighborhood::Neighborhood;
 use crate::error::OperatorError;
-use crate::normal_equations::NormalEquations;
 
 /// The degree of the polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -127,7 +127,7 @@ pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureFie
     options.check()?;
     let at = options.neighborhood;
     match options.degree {
-        JetDegree::Two => fit_each(mesh, at, 5, |f| fit::<6>(f, options.weight, monomials2)),
+        JetDegree::Two => fit_each(mesh, at, 5, |f| fit::<6>(f, options.weight, quadratic)),
         JetDegree::Three => fit_each(mesh, at, 9, |f| fit::<10>(f, options.weight, monomials3)),
         JetDegree::Four => fit_each(mesh, at, 14, |f| fit::<15>(f, options.weight, monomials4)),
     }
@@ -139,24 +139,11 @@ fn fit<const N: usize>(
     weight: JetWeight,
     monomials: impl Fn(f64, f64) -> [f64; N],
 ) -> Option<AtVertex> {
-    let mut equations = NormalEquations::<N>::default();
-    equations.add(&monomials(0.0, 0.0), 0.0, 1.0);
-    for point in field.neighbors() {
-        let w = match weight {
-            JetWeight::Uniform => 1.0,
-            // Distances are in units of their mean.
-            JetWeight::Gaussian(s) => libm::exp(-0.5 * field.squared_distance(point) / (s * s)),
-        };
-        let [x, y, z] = point;
-        equations.add(&monomials(x, y), z, w);
-    }
-    let c = equations.solve()?;
-    field.curvature([c[1], c[2]], [2.0 * c[3], c[4], 2.0 * c[5]])
-}
-
-#[inline]
-fn monomials2(x: f64, y: f64) -> [f64; 6] {
-    [1.0, x, y, x * x, x * y, y * y]
+    field.fit(monomials, |point| match weight {
+        JetWeight::Uniform => 1.0,
+        // Distances are in units of their mean.
+        JetWeight::Gaussian(s) => libm::exp(-0.5 * field.squared_distance(point) / (s * s)),
+    })
 }
 
 #[inline]

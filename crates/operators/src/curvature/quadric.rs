@@ -7,6 +7,7 @@
 //! in the frame of the area-weighted normal, by least squares over the
 //! neighbours with equal weights. The vertex lies on it exactly, so that its
 //! own noise is not reduced; a jet of degree 2 need not pass through it.
+//! Where it is bent, `x² + z²/2` and `y² + z²/2` stand for the squares, as in jets.
 //! Source: \[panozzo2010\].
 
 use fairing_mesh::TriMesh;
@@ -47,12 +48,14 @@ pub fn quadric_curvature(
 ) -> Result<CurvatureField, OperatorError> {
     options.check()?;
     fit_each(mesh, options.neighborhood, 5, |field| {
-        let mut equations = NormalEquations::<5>::default();
+        let ([p, q], mut equations) = (field.bends(), NormalEquations::<5>::default());
         for [x, y, z] in field.neighbors() {
-            equations.add(&[x, y, 0.5 * x * x, x * y, 0.5 * y * y], z, 1.0);
+            let (xx, yy) = (x * x + p * z * z, y * y + q * z * z);
+            equations.add(&[x, y, 0.5 * xx, x * y, 0.5 * yy], z, 1.0);
         }
         let [a, b, c, d, e] = equations.solve()?;
-        field.curvature([a, b], [c, d, e])
+        let bend = p * c + q * e;
+        field.curvature([a, b], [c + bend * a * a, d + bend * a * b, e + bend * b * b])
     })
 }
 
@@ -61,13 +64,13 @@ mod tests {
     use super::*;
     use crate::curvature::fit::tests::dome;
 
-    /// κ of `z = −½ (3 x² + x y + y²)` at the origin: eigenvalues of its matrix.
+    /// κ of `z = −⅒ (3 x² + x y + y²)` at the origin: eigenvalues of its matrix.
     #[test]
     fn exact_on_a_paraboloid() {
-        let (mesh, centre) = dome(|x, y| -0.5 * (3.0 * x * x + x * y + y * y));
+        let (mesh, centre) = dome(|x, y| -0.1 * (3.0 * x * x + x * y + y * y));
         let field = quadric_curvature(&mesh, QuadricOptions::default()).unwrap();
-        let root = 1.25f64.sqrt();
-        assert!((field.kappa1[centre] - 2.0 - root).abs() < 1e-11, "{}", field.kappa1[centre]);
-        assert!((field.kappa2[centre] - 2.0 + root).abs() < 1e-11, "{}", field.kappa2[centre]);
+        let root = 0.2 * 1.25f64.sqrt();
+        assert!((field.kappa1[centre] - 0.4 - root).abs() < 1e-11, "{}", field.kappa1[centre]);
+        assert!((field.kappa2[centre] - 0.4 + root).abs() < 1e-11, "{}", field.kappa2[centre]);
     }
 }

@@ -139,10 +139,11 @@ impl Cell {
     }
 }
 
+/// The number to twelve significant digits: more would be rounding errors.
 impl From<f64> for Cell {
     fn from(x: f64) -> Self {
         if x.is_finite() {
-            Self::Number(x)
+            Self::Number(format!("{x:.11e}").parse().unwrap_or(x))
         } else if x.is_nan() {
             Self::Text("undefined".into())
         } else {
