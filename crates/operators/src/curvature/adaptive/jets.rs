@@ -8,6 +8,7 @@
 //! these surfaces. The curvature is that of the implicit surface, where it meets the normal.
 
 use glam::DVec3;
+use pulp::NullaryFnOnce;
 
 use super::gather::{Extent, Neighbor};
 use crate::normal_equations::{NormalEquations, NormalFactor};
@@ -32,7 +33,7 @@ const TERMS: usize = 15;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     terms: [f64; TERMS],
-    square: f64,
+    weights: [f64; RADII.len()],
 }
 
 /// The jets at a vertex, in local units.
@@ -55,29 +56,9 @@ pub(super) struct Jets {
 /// wide.
 pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> Jets {
     let count = if extent == Extent::Wide { RADII.len() } else { RADII.len() - 1 };
-    let widest = RADII[count - 1].powi(2);
-    rows.clear();
     let base = base(found);
-    let mut cosines = [1f64; RADII.len()];
-    let mut points = [0; RADII.len()];
-    let mut sums = [[0.0; MOMENTS]; RADII.len()];
-    for neighbor in found.iter().filter(|n| n.square < widest) {
-        let [x, y, z] = neighbor.point;
-        let height = z - base;
-        let square = x * x + y * y + height * height;
-        let moments = moments(x, y, height);
-        for (k, weight) in weights(square) {
-            if k >= count {
-                break;
-            }
-            cosines[k] = cosines[k].min(neighbor.cosine);
-            points[k] += 1;
-            for (sum, moment) in sums[k].iter_mut().zip(&moments) {
-                *sum += weight * moment;
-            }
-        }
-        rows.push(Row { terms: terms(&moments, height), square });
-    }
+    let kernel = Summing { found, base, count, rows };
+    let Sums { sums, cosines, points } = pulp::Arch::new().dispatch(kernel);
     let equations = sums.map(|sums| equations(&sums));
     let factors: [Option<NormalFactor<TERMS>>; RADII.len()] = std::array::from_fn(|k| {
         (cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS).then(|| equations[k].factor())?
@@ -104,6 +85,56 @@ pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> J
     found
 }
 
+/// The sums of the equations, with the rows.
+struct Summing<'a> {
+    found: &'a [Neighbor],
+    base: f64,
+    count: usize,
+    rows: &'a mut Vec<Row>,
+}
+
+struct Sums {
+    sums: [[f64; MOMENTS]; RADII.len()],
+    cosines: [f64; RADII.len()],
+    points: [usize; RADII.len()],
+}
+
+impl NullaryFnOnce for Summing<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn call(self) -> Sums {
+        let Self { found, base, count, rows } = self;
+        let widest = RADII[count - 1] * RADII[count - 1];
+        rows.clear();
+        let mut cosines = [1f64; RADII.len()];
+        let mut points = [0; RADII.len()];
+        let mut sums = [[0.0; MOMENTS]; RADII.len()];
+        for neighbor in found {
+            if neighbor.square >= widest {
+                continue;
+            }
+            let [x, y, z] = neighbor.point;
+            let height = z - base;
+            let square = x * x + y * y + height * height;
+            let moments = moments(x, y, height);
+            let weights = weights(square);
+            for k in 0..count {
+                if weights[k] == 0.0 {
+                    continue;
+                }
+                cosines[k] = cosines[k].min(neighbor.cosine);
+                points[k] += 1;
+                for (sum, moment) in sums[k].iter_mut().zip(&moments) {
+                    *sum += weights[k] * moment;
+                }
+            }
+            rows.push(Row { terms: terms(&moments, height), weights });
+        }
+        Sums { sums, cosines, points }
+    }
+}
+
 /// The height of the surface over the tangent plane through the vertex, which has noise: the
 /// intercept of a paraboloid about the normal.
 ///
@@ -124,13 +155,15 @@ fn base(found: &[Neighbor]) -> f64 {
 /// The radius of the paraboloid.
 const BASE_RADIUS: f64 = 3.0;
 
-/// The weights of a point in the jets whose balls hold it.
-#[inline]
-fn weights(square: f64) -> impl Iterator<Item = (usize, f64)> {
-    RADII.into_iter().enumerate().filter_map(move |(k, r)| {
+/// The weights of a point in the jets, zero outside of their balls.
+#[inline(always)]
+fn weights(square: f64) -> [f64; RADII.len()] {
+    let mut weights = [0.0; RADII.len()];
+    for (weight, r) in weights.iter_mut().zip(RADII) {
         let inside = 1.0 - square / (r * r);
-        (inside > 0.0).then_some((k, inside * inside))
-    })
+        *weight = if inside > 0.0 { inside * inside } else { 0.0 };
+    }
+    weights
 }
 
 /// Monomials of x and y up to degree 8 by degree, the first 15 of them times z² and times z, z⁴
@@ -140,7 +173,7 @@ const SQUARES: usize = 45;
 const LINEAR: usize = SQUARES + TERMS;
 const FOURTH: usize = LINEAR + TERMS;
 
-#[inline]
+#[inline(always)]
 fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
     let mut all = [0.0; MOMENTS];
     all[0] = 1.0;
@@ -163,7 +196,7 @@ fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
 }
 
 /// Fills in the monomials of a degree from those of the degree below.
-#[inline]
+#[inline(always)]
 fn next_degree<const DEGREE: usize>(all: &mut [f64; MOMENTS], x: f64, y: f64) {
     let (from, to) = (place([DEGREE - 1, 0]), place([DEGREE, 0]));
     for j in 0..DEGREE {
@@ -200,9 +233,12 @@ const fn place([i, j]: [usize; 2]) -> usize {
     (i + j) * (i + j + 1) / 2 + j
 }
 
-#[inline]
+#[inline(always)]
 fn terms(moments: &[f64; MOMENTS], z: f64) -> [f64; TERMS] {
-    let mut terms = EXPONENTS.map(|e| moments[place(e)]);
+    let mut terms = [0.0; TERMS];
+    for (term, exponents) in terms.iter_mut().zip(EXPONENTS) {
+        *term = moments[place(exponents)];
+    }
     let [xx, yy] = [terms[SPHERE], terms[SADDLE]];
     (terms[SPHERE], terms[SADDLE]) = (xx + yy + z * z, xx - yy);
     terms
@@ -273,10 +309,7 @@ fn residual_deviation(rows: &[Row], factor: &NormalFactor<TERMS>) -> Option<f64>
     let mut unit = [0.0; TERMS];
     unit[0] = 1.0;
     let solution = factor.solve(&unit);
-    let influence = |row: &Row| {
-        let weight = weights(row.square).find(|(k, _)| *k == OF_NOISE).map_or(0.0, |(_, w)| w);
-        weight * dot(&row.terms, &solution)
-    };
+    let influence = |row: &Row| row.weights[OF_NOISE] * dot(&row.terms, &solution);
     let square: f64 = rows.iter().map(|row| influence(row).powi(2)).sum();
     let variance = 1.0 - 2.0 * influence(&rows[0]) + square;
     (variance > MIN_VARIANCE).then(|| variance.sqrt())
@@ -295,24 +328,45 @@ fn covariance(
     let solutions: [[f64; TERMS]; RADII.len()] = std::array::from_fn(|k| {
         factors[k].as_ref().map_or([0.0; TERMS], |factor| factor.solve(&unit))
     });
-    let mut sums = [[0.0; RADII.len()]; RADII.len()];
-    for row in rows {
-        let mut influence = [0.0; RADII.len()];
-        for (k, weight) in weights(row.square) {
-            influence[k] = weight * dot(&row.terms, &solutions[k]);
-        }
-        for i in 0..RADII.len() {
-            for j in 0..=i {
-                sums[i][j] += influence[i] * influence[j];
+    pulp::Arch::new().dispatch(Products { rows, solutions: &solutions })
+}
+
+/// The sums of the products of the influences.
+struct Products<'a> {
+    rows: &'a [Row],
+    solutions: &'a [[f64; TERMS]; RADII.len()],
+}
+
+impl NullaryFnOnce for Products<'_> {
+    type Output = [[f64; RADII.len()]; RADII.len()];
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let mut sums = [[0.0; RADII.len()]; RADII.len()];
+        let mut transposed = [[0.0; RADII.len()]; TERMS];
+        for k in 0..RADII.len() {
+            for j in 0..TERMS {
+                transposed[j][k] = self.solutions[k][j];
             }
         }
-    }
-    for i in 0..RADII.len() {
-        for j in 0..i {
-            sums[j][i] = sums[i][j];
+        for row in self.rows {
+            let mut influence = [0.0; RADII.len()];
+            for (term, solutions) in row.terms.iter().zip(&transposed) {
+                for (influence, x) in influence.iter_mut().zip(solutions) {
+                    *influence += term * x;
+                }
+            }
+            for (influence, weight) in influence.iter_mut().zip(&row.weights) {
+                *influence *= weight;
+            }
+            for i in 0..RADII.len() {
+                for j in 0..RADII.len() {
+                    sums[i][j] += influence[i] * influence[j];
+                }
+            }
         }
+        sums
     }
-    sums
 }
 
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
