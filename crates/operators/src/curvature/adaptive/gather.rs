@@ -38,6 +38,8 @@ pub(super) struct Gathering {
     /// The search in which each vertex was last reached, counted from one.
     reached_in: Vec<u32>,
     searches: u32,
+    /// Vertices next to those of the last ring.
+    queue: Vec<u32>,
     /// The centre first.
     pub(super) found: Vec<Neighbor>,
 }
@@ -65,8 +67,10 @@ impl Gathering {
     }
 
     /// Returns false where there are too many vertices.
+    ///
+    /// Ring by ring, without a branch on what was reached before, which is hard to predict.
     fn search(&mut self, sites: &Sites, topology: &Topology, v: u32, radius: f64) -> bool {
-        let Self { reached_in, searches, found } = self;
+        let Self { reached_in, searches, queue, found } = self;
         *searches += 1;
         let search = *searches;
         found.clear();
@@ -77,27 +81,34 @@ impl Gathering {
         reached_in[v as usize] = search;
         found.push(Neighbor { vertex: v, point: [0.0; 3], square: 0.0, cosine: 1.0 });
         let mut next = 0;
-        while let Some(reached) = found.get(next) {
-            let neighbors = topology.neighbors(reached.vertex);
-            next += 1;
-            if neighbors.len() > HUB && next > 1 {
-                continue;
-            }
-            for &w in neighbors {
-                let before = &mut reached_in[w as usize];
-                if *before == search {
+        while next < found.len() {
+            let mut count = 0;
+            for reached in &found[next..] {
+                let neighbors = topology.neighbors(reached.vertex);
+                if neighbors.len() > HUB && reached.vertex != v {
                     continue;
                 }
-                *before = search;
+                if queue.len() < count + neighbors.len() {
+                    queue.resize(2 * (count + neighbors.len()), 0);
+                }
+                for &w in neighbors {
+                    queue[count] = w;
+                    count += usize::from(reached_in[w as usize] != search);
+                    reached_in[w as usize] = search;
+                }
+            }
+            next = found.len();
+            for &w in &queue[..count] {
                 let d = (sites.positions[w as usize] - position) * unit;
                 let square = d.dot(d);
                 if square <= limit {
-                    if found.len() == MAX_NEIGHBORS {
-                        return false;
-                    }
                     let point = [d.dot(e), d.dot(f), d.dot(n)];
                     found.push(Neighbor { vertex: w, point, square, cosine: 1.0 });
                 }
+            }
+            if found.len() > MAX_NEIGHBORS {
+                found.truncate(MAX_NEIGHBORS);
+                return false;
             }
         }
         true

@@ -60,6 +60,7 @@ mod noise;
 mod regression;
 mod risk;
 mod site;
+mod systems;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
