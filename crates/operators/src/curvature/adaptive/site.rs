@@ -122,7 +122,7 @@ fn mean_edges(mesh: &TriMesh, positions: &[DVec3]) -> Vec<f64> {
 }
 
 /// The values after [`ROUNDS`] rounds of averaging over each vertex and its neighbours.
-fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
+pub(super) fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
     let topology = mesh.topology();
     for _ in 0..ROUNDS {
         let mean = |v: usize| {
