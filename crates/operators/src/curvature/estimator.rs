@@ -111,17 +111,27 @@ mod tests {
     }
 
     /// The second ring of a sphere of 42 vertices turns by more than 60°, and one ring determines
-    /// no cubic.
+    /// no cubic: fits take fewer rings or a lower degree. Three rings of 162 vertices turn by 50°.
     #[test]
-    fn coarse_spheres_are_fitted_with_fewer_rings() {
-        let sphere = fairing_shapes::icosphere(1);
-        for name in ["quadric", "jet2", "jet3", "jet4"] {
-            let estimator: Estimator = name.parse().unwrap();
-            let field = estimator.estimate(&sphere).unwrap();
-            assert_eq!(field.narrowed, 42, "{name}");
-            let values = field.mean.iter().chain(&field.gaussian);
-            assert!(values.into_iter().all(|x| (x - 1.0).abs() < 0.25), "{name}: {:?}", field.mean);
-            assert_eq!(estimator.estimate(&fairing_shapes::icosphere(4)).unwrap().narrowed, 0);
+    fn no_estimator_is_far_off_on_spheres() {
+        for estimator in Estimator::all() {
+            let is_fit = ["quadric", "jet2", "jet3", "jet4"].contains(&estimator.name());
+            for (level, count) in [(1, 42), (2, 162), (3, 642), (4, 2562)] {
+                let field = estimator.estimate(&fairing_shapes::icosphere(level)).unwrap();
+                let square = field.mean.iter().map(|h| (h - 1.0).powi(2)).sum::<f64>();
+                let error = (square / count as f64).sqrt();
+                let bound = match (estimator.name(), level) {
+                    ("jet2", 2) => 0.12,
+                    ("jet3", 2) => 0.26,
+                    _ => 0.1,
+                };
+                assert!(error < bound, "{estimator}, {count} vertices: {error}");
+                match level {
+                    1 => assert_eq!(field.narrowed, if is_fit { count } else { 0 }, "{estimator}"),
+                    4 => assert_eq!(field.narrowed, 0, "{estimator}"),
+                    _ => {}
+                }
+            }
         }
     }
 }

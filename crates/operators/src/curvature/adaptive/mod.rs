@@ -113,7 +113,7 @@ pub fn adaptive_curvature(
 fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
     let topology = mesh.topology();
     let sites = Sites::new(mesh);
-    let noise = noise::noise(mesh, &sites);
+    let noise = noise::noise(mesh, &sites, options.noise);
     let count = mesh.vertex_count() as u32;
     let all: Vec<Candidates> = (0..count)
         .into_par_iter()

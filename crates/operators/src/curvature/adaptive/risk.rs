@@ -51,7 +51,8 @@ pub(super) fn squared_bias(
             });
         }
     }
-    for family in [0..REGRESSIONS, MEANS] {
+    let checked = if noise == NoiseKind::Independent { &[0..REGRESSIONS, MEANS][..] } else { &[] };
+    for family in checked {
         let differences = |v: usize| against_jets(&all[v], &bias[v], family.clone(), levels[v]);
         let against = pooled(topology, all.len(), differences);
         bias.par_iter_mut().zip(&against).with_min_len(1024).for_each(|(bias, against)| {
@@ -173,7 +174,10 @@ fn climb(
     };
     let (smaller, larger) = (more * ratio / (1.0 - ratio), more / (1.0 - ratio));
     bias[k - 1] = floor.max(smaller * smaller * square);
-    if noise == NoiseKind::Independent {
+    if noise == NoiseKind::Correlated {
+        // Noise that the variance does not know is in the difference as a whole.
+        bias[k - 1] = floor.max(smaller.max(1.0).powi(2) * square);
+    } else {
         let checked = fields[1..].iter().fold(0.0, |m: f32, x| m.max(x / pooled[0]));
         let adjacent = smaller * smaller * fields[k - first] / pooled[0];
         *floor = checked.max(adjacent).max(*floor);
