@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use fairing_mesh::Topology;
 
-use super::gather::{Extent, Gathering, Neighbor};
+use super::gather::{Extent, Gathering};
 use super::jets::{self, Row};
-use super::regression;
+use super::regression::{self, Point};
 use super::site::Sites;
 
 /// The number of regressions, the corrected one-ring density among them.
@@ -105,6 +105,7 @@ pub(super) struct Candidates {
 #[derive(Debug, Default)]
 pub(super) struct Work {
     gathering: Gathering,
+    points: Vec<Point>,
     rows: Vec<Row>,
 }
 
@@ -119,9 +120,9 @@ impl Candidates {
     ) -> (Self, Option<f64>) {
         let from = extent as usize;
         let reach = work.gathering.gather(sites, topology, v, &SEARCHED[from..]);
-        let found: &[Neighbor] = &work.gathering.found;
+        let found = &mut work.gathering.found;
+        let fits = regression::fits(sites, found, &mut work.points);
         let jets = jets::jets(found, &mut work.rows, extent);
-        let fits = regression::fits(sites, found);
         let mut all = Self {
             lean: jets.lean.map(|lean| lean.map(|x| x as f32)),
             covariance: jets.covariance.map(|row| row.map(|x| x as f32)),

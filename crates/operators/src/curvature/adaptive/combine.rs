@@ -14,7 +14,7 @@ use super::site::{Site, Sites};
 use crate::tangent::Symmetric2;
 
 /// The weight of a candidate is the risk to the power of minus this.
-const POWER: i32 = 4;
+pub(super) const POWER: i32 = 4;
 
 /// Where many candidates compete, the least of the estimated risks is too small: the errors of the
 /// surfaces that constants are chosen on are larger by this.
@@ -69,7 +69,7 @@ pub(super) fn combine(
     bias: &SquaredBias,
     level: Level,
     extent: Extent,
-    coarse: Option<[f64; 2]>,
+    coarse: Option<[[f64; 2]; 2]>,
 ) -> Result<Combined, Undefined> {
     let combined = of_candidates(sites, v, all, bias, level, extent)?;
     Ok(match coarse {
@@ -130,13 +130,12 @@ fn normal(site: &Site, all: &Candidates, weights: &[f64; COUNT]) -> DVec3 {
 }
 
 impl Combined {
-    /// These H and K, in the unit of the sites; their difference from those of the candidates is
-    /// the error.
-    fn replaced(self, [h, k]: [f64; 2], site: &Site, length: f64) -> Self {
+    /// These H and K with their squared errors, in the unit of the sites.
+    fn replaced(self, [[h, of_h], [k, of_k]]: [[f64; 2]; 2], site: &Site, length: f64) -> Self {
         let half = 0.5 * (self.at.values[0] - self.at.values[1]);
         let directions = self.at.directions;
         let at = AtVertex { values: [h + half, h - half], mean: h, gaussian: k, directions };
-        let errors = [(h - self.at.mean).abs(), (k - self.at.gaussian).abs()];
+        let errors = [of_h.sqrt(), of_k.sqrt()];
         Self { at, errors, scale: length, normal: site.normal }
     }
 

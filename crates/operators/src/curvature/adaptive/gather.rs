@@ -28,7 +28,7 @@ pub(super) struct Neighbor {
     pub(super) point: [f64; 3],
     /// The squared distance.
     pub(super) square: f64,
-    /// The cosine of the angle between the normals.
+    /// The cosine of the angle between the normals; set by [`fits`](super::regression::fits).
     pub(super) cosine: f64,
 }
 
@@ -38,6 +38,8 @@ pub(super) struct Gathering {
     /// The search in which each vertex was last reached, counted from one.
     reached_in: Vec<u32>,
     searches: u32,
+    /// Vertices next to those of the last ring.
+    queue: Vec<u32>,
     /// The centre first.
     pub(super) found: Vec<Neighbor>,
 }
@@ -65,40 +67,48 @@ impl Gathering {
     }
 
     /// Returns false where there are too many vertices.
+    ///
+    /// Ring by ring, without a branch on what was reached before, which is hard to predict.
     fn search(&mut self, sites: &Sites, topology: &Topology, v: u32, radius: f64) -> bool {
-        self.searches += 1;
-        self.found.clear();
+        let Self { reached_in, searches, queue, found } = self;
+        *searches += 1;
+        let search = *searches;
+        found.clear();
         let centre = &sites.all[v as usize];
         let [e, f, n] = [centre.axis, centre.normal.cross(centre.axis), centre.normal];
+        let position = sites.positions[v as usize];
         let (unit, limit) = (1.0 / sites.length[v as usize], radius * radius);
-        let place = |w: u32| {
-            let other = &sites.all[w as usize];
-            let d = (other.position - centre.position) * unit;
-            let point = [d.dot(e), d.dot(f), d.dot(n)];
-            Neighbor { vertex: w, point, square: d.dot(d), cosine: other.normal.dot(n) }
-        };
-        self.reached_in[v as usize] = self.searches;
-        self.found.push(Neighbor { vertex: v, point: [0.0; 3], square: 0.0, cosine: 1.0 });
+        reached_in[v as usize] = search;
+        found.push(Neighbor { vertex: v, point: [0.0; 3], square: 0.0, cosine: 1.0 });
         let mut next = 0;
-        while let Some(reached) = self.found.get(next) {
-            let neighbors = topology.neighbors(reached.vertex);
-            next += 1;
-            if neighbors.len() > HUB && next > 1 {
-                continue;
-            }
-            for &w in neighbors {
-                if std::mem::replace(&mut self.reached_in[w as usize], self.searches)
-                    == self.searches
-                {
+        while next < found.len() {
+            let mut count = 0;
+            for reached in &found[next..] {
+                let neighbors = topology.neighbors(reached.vertex);
+                if neighbors.len() > HUB && reached.vertex != v {
                     continue;
                 }
-                let neighbor = place(w);
-                if neighbor.square <= limit {
-                    if self.found.len() == MAX_NEIGHBORS {
-                        return false;
-                    }
-                    self.found.push(neighbor);
+                if queue.len() < count + neighbors.len() {
+                    queue.resize(2 * (count + neighbors.len()), 0);
                 }
+                for &w in neighbors {
+                    queue[count] = w;
+                    count += usize::from(reached_in[w as usize] != search);
+                    reached_in[w as usize] = search;
+                }
+            }
+            next = found.len();
+            for &w in &queue[..count] {
+                let d = (sites.positions[w as usize] - position) * unit;
+                let square = d.dot(d);
+                if square <= limit {
+                    let point = [d.dot(e), d.dot(f), d.dot(n)];
+                    found.push(Neighbor { vertex: w, point, square, cosine: 1.0 });
+                }
+            }
+            if found.len() > MAX_NEIGHBORS {
+                found.truncate(MAX_NEIGHBORS);
+                return false;
             }
         }
         true
@@ -107,7 +117,7 @@ impl Gathering {
 
 /// The turn of the tangent frame of `from` after the least rotation that takes its normal to that
 /// of `to`: cosine and sine of the angle from the axis of `to`. `None` for opposite normals.
-#[inline]
+#[inline(always)]
 pub(super) fn turn_of_frame(
     [axis, normal]: [DVec3; 2],
     [e, f, n]: [DVec3; 3],

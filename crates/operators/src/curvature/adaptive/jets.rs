@@ -7,10 +7,13 @@
 //! by least squares with weights (1 − d²/r²)²: with z² every sphere through the vertex is one of
 //! these surfaces. The curvature is that of the implicit surface, where it meets the normal.
 
+use fairing_sparse::smaller;
 use glam::DVec3;
+use pulp::NullaryFnOnce;
 
 use super::gather::{Extent, Neighbor};
-use crate::normal_equations::{NormalEquations, NormalFactor};
+use super::systems::{Factors, Lanes};
+use crate::normal_equations::NormalEquations;
 use crate::tangent::tangent_frame;
 
 /// The radii of the jets, in local mean edges.
@@ -32,7 +35,7 @@ const TERMS: usize = 15;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     terms: [f64; TERMS],
-    square: f64,
+    weights: [f64; RADII.len()],
 }
 
 /// The jets at a vertex, in local units.
@@ -54,54 +57,97 @@ pub(super) struct Jets {
 /// Fits jets to the neighbours; `rows` is memory. The widest of them is left out unless `extent` is
 /// wide.
 pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> Jets {
-    let count = if extent == Extent::Wide { RADII.len() } else { RADII.len() - 1 };
-    let widest = RADII[count - 1].powi(2);
-    rows.clear();
-    let base = base(found);
-    let mut cosines = [1f64; RADII.len()];
-    let mut points = [0; RADII.len()];
-    let mut sums = [[0.0; MOMENTS]; RADII.len()];
-    for neighbor in found.iter().filter(|n| n.square < widest) {
-        let [x, y, z] = neighbor.point;
-        let height = z - base;
-        let square = x * x + y * y + height * height;
-        let moments = moments(x, y, height);
-        for (k, weight) in weights(square) {
-            if k >= count {
-                break;
-            }
-            cosines[k] = cosines[k].min(neighbor.cosine);
-            points[k] += 1;
-            for (sum, moment) in sums[k].iter_mut().zip(&moments) {
-                *sum += weight * moment;
-            }
-        }
-        rows.push(Row { terms: terms(&moments, height), square });
-    }
-    let equations = sums.map(|sums| equations(&sums));
-    let factors: [Option<NormalFactor<TERMS>>; RADII.len()] = std::array::from_fn(|k| {
-        (cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS).then(|| equations[k].factor())?
-    });
+    let (fits, base) = pulp::Arch::new().dispatch(Fitting { found, rows, extent });
     let mut found = Jets {
         values: [None; RADII.len()],
-        cosines,
+        cosines: fits.cosines,
         lean: [[0.0; 2]; RADII.len()],
-        covariance: [[0.0; RADII.len()]; RADII.len()],
+        covariance: fits.covariance,
         residual: None,
     };
-    for (k, factor) in factors.iter().enumerate() {
-        let coefficients = factor.as_ref().map(|factor| factor.solve(equations[k].rhs()));
-        if let Some((value, lean)) = coefficients.and_then(|c| curvature(&c)) {
+    for k in (0..RADII.len()).filter(|&k| fits.valid[k]) {
+        let coefficients = fits.coefficients.map(|c| c[k]);
+        if let Some((value, lean)) = curvature(&coefficients) {
             (found.values[k], found.lean[k]) = (Some(value), lean);
         }
         if k == OF_NOISE && extent == Extent::Sample {
-            found.residual = coefficients.zip(factor.as_ref()).and_then(|(c, factor)| {
-                Some((base + c[0]).abs() / residual_deviation(rows, factor)?)
-            });
+            let variance = Some(fits.residual_variance).filter(|v| *v > MIN_VARIANCE);
+            found.residual = variance.map(|v| (base + coefficients[0]).abs() / v.sqrt());
         }
     }
-    found.covariance = covariance(rows, &factors);
     found
+}
+
+/// Fits of all jets, a lane for each.
+struct Fits {
+    coefficients: [Lanes; TERMS],
+    valid: [bool; RADII.len()],
+    cosines: [f64; RADII.len()],
+    covariance: [[f64; RADII.len()]; RADII.len()],
+    /// The variance of the height of the vertex over the jet of the noise, if asked for.
+    residual_variance: f64,
+}
+
+/// Fits the jets, with the widest vectors of the processor.
+struct Fitting<'a> {
+    found: &'a [Neighbor],
+    rows: &'a mut Vec<Row>,
+    extent: Extent,
+}
+
+impl NullaryFnOnce for Fitting<'_> {
+    /// With the base of heights.
+    type Output = (Fits, f64);
+
+    #[inline(always)]
+    fn call(self) -> (Fits, f64) {
+        let Self { found, rows, extent } = self;
+        let count = if extent == Extent::Wide { RADII.len() } else { RADII.len() - 1 };
+        let base = base(found);
+        let widest = RADII[count - 1] * RADII[count - 1];
+        rows.clear();
+        let (mut cosines, mut points) = ([1f64; RADII.len()], [0; RADII.len()]);
+        let mut sums = [[0.0; MOMENTS]; RADII.len()];
+        for neighbor in found {
+            if neighbor.square >= widest {
+                continue;
+            }
+            let [x, y, z] = neighbor.point;
+            let height = z - base;
+            let moments = moments(x, y, height);
+            let weights = weights(x * x + y * y + height * height);
+            for k in 0..count {
+                if weights[k] == 0.0 {
+                    continue;
+                }
+                cosines[k] = smaller(cosines[k], neighbor.cosine);
+                points[k] += 1;
+                for (sum, moment) in sums[k].iter_mut().zip(&moments) {
+                    *sum += weights[k] * moment;
+                }
+            }
+            rows.push(Row { terms: terms(&moments, height), weights });
+        }
+        let (matrix, rhs) = equations(&sums);
+        let factors = Factors::new(&matrix);
+        let mut valid = [false; RADII.len()];
+        for k in 0..RADII.len() {
+            let is_known = cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS;
+            valid[k] = is_known && factors.is_valid(k);
+        }
+        let fits = Fits {
+            coefficients: factors.solve(&rhs),
+            valid,
+            cosines,
+            covariance: covariance(rows, &factors, valid),
+            residual_variance: if extent == Extent::Sample {
+                residual_variance(rows, &factors)
+            } else {
+                0.0
+            },
+        };
+        (fits, base)
+    }
 }
 
 /// The height of the surface over the tangent plane through the vertex, which has noise: the
@@ -109,28 +155,39 @@ pub(super) fn jets(found: &[Neighbor], rows: &mut Vec<Row>, extent: Extent) -> J
 ///
 /// Heights in the terms are over this base. If they were over the vertex, squared heights would
 /// hold products of its noise with that of the others, and the fit would follow the noise.
+#[inline(always)]
 fn base(found: &[Neighbor]) -> f64 {
-    let mut equations = NormalEquations::<4>::default();
+    let (mut matrix, mut rhs) = ([[0.0; 4]; 4], [0.0; 4]);
     for neighbor in found {
         let [x, y, z] = neighbor.point;
-        let inside = 1.0 - neighbor.square / BASE_RADIUS.powi(2);
+        let inside = 1.0 - neighbor.square / (BASE_RADIUS * BASE_RADIUS);
         if inside > 0.0 {
-            equations.add(&[1.0, x, y, x * x + y * y], z, inside * inside);
+            let row = [1.0, x, y, x * x + y * y];
+            for i in 0..4 {
+                let weighted = inside * inside * row[i];
+                for j in 0..4 {
+                    matrix[i][j] += weighted * row[j];
+                }
+                rhs[i] += weighted * z;
+            }
         }
     }
-    equations.solve().map_or(0.0, |c| c[0].clamp(-0.5, 0.5))
+    let solution = NormalEquations::from_sums(matrix, rhs).solve();
+    solution.map_or(0.0, |c| c[0].clamp(-0.5, 0.5))
 }
 
 /// The radius of the paraboloid.
 const BASE_RADIUS: f64 = 3.0;
 
-/// The weights of a point in the jets whose balls hold it.
-#[inline]
-fn weights(square: f64) -> impl Iterator<Item = (usize, f64)> {
-    RADII.into_iter().enumerate().filter_map(move |(k, r)| {
+/// The weights of a point in the jets, zero outside of their balls.
+#[inline(always)]
+fn weights(square: f64) -> [f64; RADII.len()] {
+    let mut weights = [0.0; RADII.len()];
+    for (weight, r) in weights.iter_mut().zip(RADII) {
         let inside = 1.0 - square / (r * r);
-        (inside > 0.0).then_some((k, inside * inside))
-    })
+        *weight = if inside > 0.0 { inside * inside } else { 0.0 };
+    }
+    weights
 }
 
 /// Monomials of x and y up to degree 8 by degree, the first 15 of them times z² and times z, z⁴
@@ -140,7 +197,7 @@ const SQUARES: usize = 45;
 const LINEAR: usize = SQUARES + TERMS;
 const FOURTH: usize = LINEAR + TERMS;
 
-#[inline]
+#[inline(always)]
 fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
     let mut all = [0.0; MOMENTS];
     all[0] = 1.0;
@@ -163,7 +220,7 @@ fn moments(x: f64, y: f64, z: f64) -> [f64; MOMENTS] {
 }
 
 /// Fills in the monomials of a degree from those of the degree below.
-#[inline]
+#[inline(always)]
 fn next_degree<const DEGREE: usize>(all: &mut [f64; MOMENTS], x: f64, y: f64) {
     let (from, to) = (place([DEGREE - 1, 0]), place([DEGREE, 0]));
     for j in 0..DEGREE {
@@ -200,47 +257,55 @@ const fn place([i, j]: [usize; 2]) -> usize {
     (i + j) * (i + j + 1) / 2 + j
 }
 
-#[inline]
+#[inline(always)]
 fn terms(moments: &[f64; MOMENTS], z: f64) -> [f64; TERMS] {
-    let mut terms = EXPONENTS.map(|e| moments[place(e)]);
+    let mut terms = [0.0; TERMS];
+    for (term, exponents) in terms.iter_mut().zip(EXPONENTS) {
+        *term = moments[place(exponents)];
+    }
     let [xx, yy] = [terms[SPHERE], terms[SADDLE]];
     (terms[SPHERE], terms[SADDLE]) = (xx + yy + z * z, xx - yy);
     terms
 }
 
-/// The normal equations from the weighted sums of the moments.
-fn equations(sums: &[f64; MOMENTS]) -> NormalEquations<TERMS> {
-    let mut matrix = [[0.0; TERMS]; TERMS];
-    let mut rhs = EXPONENTS.map(|e| sums[LINEAR + place(e)]);
-    for k in 0..TERMS {
+/// The normal equations of each jet from the weighted sums of the moments.
+#[inline(always)]
+fn equations(sums: &[[f64; MOMENTS]; RADII.len()]) -> ([[Lanes; TERMS]; TERMS], [Lanes; TERMS]) {
+    let (mut matrix, mut rhs) = ([[[0.0; RADII.len()]; TERMS]; TERMS], [[0.0; 4]; TERMS]);
+    for (lane, sums) in sums.iter().enumerate() {
+        let mut squares = [0.0; TERMS];
+        for k in 0..TERMS {
+            let [i, j] = EXPONENTS[k];
+            rhs[k][lane] = sums[LINEAR + place([i, j])];
+            squares[k] = sums[SQUARES + place([i, j])];
+            for l in 0..TERMS {
+                let [m, n] = EXPONENTS[l];
+                matrix[k][l][lane] = sums[place([i + m, j + n])];
+            }
+        }
+        // Products with x² and y² become those with their sum and difference, columns then rows.
+        for row in &mut matrix {
+            let [xx, yy] = [row[SPHERE][lane], row[SADDLE][lane]];
+            (row[SPHERE][lane], row[SADDLE][lane]) = (xx + yy, xx - yy);
+        }
         for l in 0..TERMS {
-            let ([i, j], [m, n]) = (EXPONENTS[k], EXPONENTS[l]);
-            matrix[k][l] = sums[place([i + m, j + n])];
+            let [xx, yy] = [matrix[SPHERE][l][lane], matrix[SADDLE][l][lane]];
+            (matrix[SPHERE][l][lane], matrix[SADDLE][l][lane]) = (xx + yy, xx - yy);
         }
-    }
-    // Products with x² and y² become those with their sum and difference, columns then rows.
-    for row in &mut matrix {
-        let [xx, yy] = [row[SPHERE], row[SADDLE]];
-        (row[SPHERE], row[SADDLE]) = (xx + yy, xx - yy);
-    }
-    let [xx, yy] = [matrix[SPHERE], matrix[SADDLE]];
-    for l in 0..TERMS {
-        (matrix[SPHERE][l], matrix[SADDLE][l]) = (xx[l] + yy[l], xx[l] - yy[l]);
-    }
-    (rhs[SPHERE], rhs[SADDLE]) = (rhs[SPHERE] + rhs[SADDLE], rhs[SPHERE] - rhs[SADDLE]);
-    // The products with z² are added to those of the sum.
-    let mut squares = EXPONENTS.map(|e| sums[SQUARES + place(e)]);
-    let [xx, yy] = [squares[SPHERE], squares[SADDLE]];
-    (squares[SPHERE], squares[SADDLE]) = (xx + yy + sums[FOURTH], xx - yy);
-    for l in 0..TERMS {
-        matrix[SPHERE][l] += squares[l];
-        if l != SPHERE {
-            matrix[l][SPHERE] += squares[l];
+        let [xx, yy] = [rhs[SPHERE][lane], rhs[SADDLE][lane]];
+        (rhs[SPHERE][lane], rhs[SADDLE][lane]) = (xx + yy + sums[FOURTH + 1], xx - yy);
+        // The products with z² are added to those of the sum.
+        let [xx, yy] = [squares[SPHERE], squares[SADDLE]];
+        (squares[SPHERE], squares[SADDLE]) = (xx + yy + sums[FOURTH], xx - yy);
+        for l in 0..TERMS {
+            matrix[SPHERE][l][lane] += squares[l];
+            if l != SPHERE {
+                matrix[l][SPHERE][lane] += squares[l];
+            }
         }
+        matrix[SPHERE][SPHERE][lane] += xx + yy;
     }
-    matrix[SPHERE][SPHERE] += xx + yy;
-    rhs[SPHERE] += sums[FOURTH + 1];
-    NormalEquations::from_sums(matrix, rhs)
+    (matrix, rhs)
 }
 
 /// H, K and the second form without its trace, carried to the frame of the vertex, and the
@@ -268,53 +333,68 @@ fn curvature(c: &[f64; TERMS]) -> Option<([f64; 4], [f64; 2])> {
     value.iter().all(|x| x.is_finite()).then_some((value, [normal.x, normal.y]))
 }
 
-/// The standard deviation of the height of the vertex over the jet.
-fn residual_deviation(rows: &[Row], factor: &NormalFactor<TERMS>) -> Option<f64> {
-    let mut unit = [0.0; TERMS];
-    unit[0] = 1.0;
-    let solution = factor.solve(&unit);
-    let influence = |row: &Row| {
-        let weight = weights(row.square).find(|(k, _)| *k == OF_NOISE).map_or(0.0, |(_, w)| w);
-        weight * dot(&row.terms, &solution)
-    };
-    let square: f64 = rows.iter().map(|row| influence(row).powi(2)).sum();
-    let variance = 1.0 - 2.0 * influence(&rows[0]) + square;
-    (variance > MIN_VARIANCE).then(|| variance.sqrt())
-}
-
 /// The least variance of a residual: below it, the jet passes through the vertex.
 const MIN_VARIANCE: f64 = 0.02;
 
+/// The variance of the height of the vertex over the jet of the noise.
+#[inline(always)]
+fn residual_variance(rows: &[Row], factors: &Factors<TERMS>) -> f64 {
+    let solutions = factors.solve(&unit(0, 1.0));
+    let (mut own, mut sum) = (0.0, 0.0);
+    for (at, row) in rows.iter().enumerate() {
+        let influence = influence(row, &solutions)[OF_NOISE];
+        if at == 0 {
+            own = influence;
+        }
+        sum += influence * influence;
+    }
+    1.0 - 2.0 * own + sum
+}
+
 /// H is nearly −2 c₃, which is linear in the heights: the sums of products of its derivatives.
+#[inline(always)]
 fn covariance(
     rows: &[Row],
-    factors: &[Option<NormalFactor<TERMS>>; RADII.len()],
+    factors: &Factors<TERMS>,
+    valid: [bool; RADII.len()],
 ) -> [[f64; RADII.len()]; RADII.len()] {
-    let mut unit = [0.0; TERMS];
-    unit[SPHERE] = -2.0;
-    let solutions: [[f64; TERMS]; RADII.len()] = std::array::from_fn(|k| {
-        factors[k].as_ref().map_or([0.0; TERMS], |factor| factor.solve(&unit))
-    });
+    let solutions = factors.solve(&unit(SPHERE, -2.0));
     let mut sums = [[0.0; RADII.len()]; RADII.len()];
     for row in rows {
-        let mut influence = [0.0; RADII.len()];
-        for (k, weight) in weights(row.square) {
-            influence[k] = weight * dot(&row.terms, &solutions[k]);
-        }
+        let influence = influence(row, &solutions);
         for i in 0..RADII.len() {
-            for j in 0..=i {
+            for j in 0..RADII.len() {
                 sums[i][j] += influence[i] * influence[j];
             }
         }
     }
     for i in 0..RADII.len() {
-        for j in 0..i {
-            sums[j][i] = sums[i][j];
+        for j in 0..RADII.len() {
+            sums[i][j] = if valid[i] && valid[j] { sums[i][j] } else { 0.0 };
         }
     }
     sums
 }
 
-fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+/// A right-hand side with one entry.
+#[inline(always)]
+fn unit(place: usize, x: f64) -> [Lanes; TERMS] {
+    let mut unit = [[0.0; RADII.len()]; TERMS];
+    unit[place] = [x; RADII.len()];
+    unit
+}
+
+/// The derivative of a linear function of each jet by the height of a point.
+#[inline(always)]
+fn influence(row: &Row, solutions: &[Lanes; TERMS]) -> Lanes {
+    let mut influence = [0.0; RADII.len()];
+    for (term, solutions) in row.terms.iter().zip(solutions) {
+        for (influence, x) in influence.iter_mut().zip(solutions) {
+            *influence += term * x;
+        }
+    }
+    for (influence, weight) in influence.iter_mut().zip(&row.weights) {
+        *influence *= weight;
+    }
+    influence
 }

@@ -60,15 +60,17 @@ mod noise;
 mod regression;
 mod risk;
 mod site;
+mod systems;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
 use rayon::prelude::*;
 
 use self::candidate::{Candidates, Level, Work};
-use self::combine::{Combined, combine};
+use self::combine::{Combined, POWER, combine};
 pub use self::kind::NoiseKind;
 use self::noise::Noise;
+use self::regression::density;
 use self::site::Sites;
 use super::cotangent::{CotangentOptions, cotangent_curvature};
 use super::field::CurvatureField;
@@ -111,7 +113,7 @@ pub fn adaptive_curvature(
 fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
     let topology = mesh.topology();
     let sites = Sites::new(mesh);
-    let noise = noise::noise(mesh, &sites);
+    let noise = noise::noise(mesh, &sites, options.noise);
     let count = mesh.vertex_count() as u32;
     let all: Vec<Candidates> = (0..count)
         .into_par_iter()
@@ -147,32 +149,68 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
 /// taken on coarse neighbourhoods.
 const COARSE_NOISE: f64 = 0.06 * 0.06;
 
-/// H and K by the cotangent formula and the angle defect, in the unit of the sites, where the
-/// neighbourhood is too coarse for any fit.
+/// H and K and their squared errors, in the unit of the sites, where the neighbourhood is too
+/// coarse for any fit: means of the cotangent formula with the angle defect, which have little
+/// bias, and of the density of corrected measures of one ring, which has little noise.
+///
+/// Their difference is rough where it is noise of the former, and even where it is bias of the
+/// latter.
 fn coarse(
     mesh: &TriMesh,
     sites: &Sites,
     all: &[Candidates],
     levels: &[Level],
-) -> Vec<Option<[f64; 2]>> {
+) -> Vec<Option<[[f64; 2]; 2]>> {
     let topology = mesh.topology();
     let is_coarse = |v: usize| {
         all[v].is_coarse()
             && levels[v].heights <= COARSE_NOISE
             && !topology.is_boundary_vertex(v as u32)
     };
-    let vertices = || (0..all.len()).filter(|&v| is_coarse(v));
     let mut found = vec![None; all.len()];
-    if vertices().next().is_some()
-        && let Ok(field) = cotangent_curvature(mesh, CotangentOptions::DEFAULT)
-    {
-        for v in vertices().filter(|&v| field.status[v].is_defined()) {
-            let unit = sites.unit;
-            found[v] = Some([field.mean[v] * unit, field.gaussian[v] * unit * unit]);
-        }
+    if !(0..all.len()).any(is_coarse) {
+        return found;
+    }
+    let Ok(field) = cotangent_curvature(mesh, CotangentOptions::DEFAULT) else { return found };
+    let both = |v: usize| {
+        let [mean, gaussian, ..] = density(sites, v).filter(|_| field.status[v].is_defined())?;
+        let (unit, length) = (sites.unit, sites.length[v]);
+        let cotangent = [field.mean[v] * unit, field.gaussian[v] * unit * unit];
+        Some([cotangent, [mean / length, gaussian / (length * length)]])
+    };
+    let both: Vec<Option<[[f64; 2]; 2]>> = (0..all.len()).map(both).collect();
+    let [of_mean, of_gaussian] = [0, 1].map(|q| {
+        let gaps: Vec<f64> = both.iter().map(|x| x.map_or(0.0, |[c, d]| c[q] - d[q])).collect();
+        let rough = |v: usize| {
+            let neighbors = topology.neighbors(v as u32);
+            let sum: f64 = neighbors.iter().map(|&w| gaps[w as usize]).sum();
+            (gaps[v] - sum / (neighbors.len() as f64).max(1.0)).powi(2)
+        };
+        let noise = site::smoothed(mesh, (0..all.len()).map(rough).collect());
+        (noise, site::smoothed(mesh, gaps))
+    });
+    for v in (0..all.len()).filter(|&v| is_coarse(v)) {
+        found[v] = both[v].map(|[cotangent, density]| {
+            [0, 1].map(|q| {
+                let (noise, bias) = [&of_mean, &of_gaussian][q];
+                let (noise, bias) = (noise[v], bias[v] * bias[v]);
+                let risks = [noise + COTANGENT_BIAS * bias, bias + ONE_RING_NOISE * noise];
+                let least = risks[0].min(risks[1]) + f64::MIN_POSITIVE;
+                let [a, b] = risks.map(|r| (least / (r + f64::MIN_POSITIVE)).powi(POWER));
+                let of_density = b / (a + b);
+                let value = cotangent[q] + of_density * (density[q] - cotangent[q]);
+                [value, risks[0] + of_density * (risks[1] - risks[0])]
+            })
+        });
     }
     found
 }
+
+/// The variance of the density of one ring over that of the cotangent formula.
+const ONE_RING_NOISE: f64 = 0.05;
+
+/// The squared bias of the cotangent formula over that of the density of one ring.
+const COTANGENT_BIAS: f64 = 0.2;
 
 #[cfg(test)]
 mod tests;

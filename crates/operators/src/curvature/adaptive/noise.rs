@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidates, GAINS, Work};
 use super::gather::Extent;
+use super::kind::NoiseKind;
 use super::site::Sites;
 
 /// The most vertices of a component that are examined.
@@ -90,7 +91,7 @@ impl Sample {
 }
 
 /// The noise of the component of each vertex.
-pub(super) fn noise(mesh: &TriMesh, sites: &Sites) -> Vec<Noise> {
+pub(super) fn noise(mesh: &TriMesh, sites: &Sites, kind: NoiseKind) -> Vec<Noise> {
     let components = mesh.topology().components();
     let labels = || (0..mesh.vertex_count() as u32).filter_map(|v| Some((v, components.label(v)?)));
     let mut sizes = vec![0usize; components.count()];
@@ -112,7 +113,11 @@ pub(super) fn noise(mesh: &TriMesh, sites: &Sites) -> Vec<Noise> {
             .with_min_len(256)
             .map_init(Work::default, |work, &v| Sample::new(mesh, sites, work, v))
             .collect();
-        Noise::new(&samples)
+        // Small radii do not show the level of correlated noise.
+        match kind {
+            NoiseKind::Independent => Noise::new(&samples),
+            NoiseKind::Correlated => Noise { extent: Extent::Wide, ..Noise::new(&samples) },
+        }
     };
     let noise: Vec<Noise> = chosen.iter().map(of_component).collect();
     let at = |v: u32| components.label(v).map_or(Noise::NONE, |c| noise[c as usize]);

@@ -38,7 +38,9 @@ pub(super) fn squared_bias(
     let mut floors = vec![[0f32; 2]; all.len()];
     for ladder in [JETS, 0..REGRESSIONS, MEANS] {
         floors.fill([0.0; 2]);
-        for k in ladder.clone().skip(1) {
+        // Nothing is known of the radii that all vertices leave out.
+        let is_known = |k: &usize| all.par_iter().any(|at| at.is_valid(*k));
+        for k in ladder.clone().skip(1).filter(is_known) {
             let differences = |v: usize| differences(&all[v], ladder.start, k, levels[v]);
             let pooled = pooled(topology, all.len(), differences);
             let steps = bias.par_iter_mut().zip(&mut floors).zip(&pooled);
@@ -49,7 +51,8 @@ pub(super) fn squared_bias(
             });
         }
     }
-    for family in [0..REGRESSIONS, MEANS] {
+    let checked = if noise == NoiseKind::Independent { &[0..REGRESSIONS, MEANS][..] } else { &[] };
+    for family in checked {
         let differences = |v: usize| against_jets(&all[v], &bias[v], family.clone(), levels[v]);
         let against = pooled(topology, all.len(), differences);
         bias.par_iter_mut().zip(&against).with_min_len(1024).for_each(|(bias, against)| {
@@ -127,20 +130,21 @@ fn pooled(
     count: usize,
     of: impl Fn(usize) -> [f32; FIELDS] + Sync + Send,
 ) -> Vec<[f32; FIELDS]> {
-    let indices = || (0..count).into_par_iter().with_min_len(1024);
-    let mut fields: Vec<[f32; FIELDS]> = indices().map(of).collect();
+    let mut fields: Vec<[f32; FIELDS]> =
+        (0..count).into_par_iter().with_min_len(1024).map(of).collect();
+    let mut means = fields.clone();
     for _ in 0..ROUNDS {
-        let mean = |v: usize| {
+        means.par_iter_mut().with_min_len(1024).enumerate().for_each(|(v, mean)| {
             let neighbors = topology.neighbors(v as u32);
-            let mut sum = fields[v];
+            *mean = fields[v];
             for &w in neighbors {
-                for (s, x) in sum.iter_mut().zip(&fields[w as usize]) {
+                for (s, x) in mean.iter_mut().zip(&fields[w as usize]) {
                     *s += x;
                 }
             }
-            sum.map(|s| s / (1 + neighbors.len()) as f32)
-        };
-        fields = indices().map(mean).collect();
+            *mean = mean.map(|s| s / (1 + neighbors.len()) as f32);
+        });
+        std::mem::swap(&mut fields, &mut means);
     }
     fields
 }
@@ -170,7 +174,10 @@ fn climb(
     };
     let (smaller, larger) = (more * ratio / (1.0 - ratio), more / (1.0 - ratio));
     bias[k - 1] = floor.max(smaller * smaller * square);
-    if noise == NoiseKind::Independent {
+    if noise == NoiseKind::Correlated {
+        // Noise that the variance does not know is in the difference as a whole.
+        bias[k - 1] = floor.max(smaller.max(1.0).powi(2) * square);
+    } else {
         let checked = fields[1..].iter().fold(0.0, |m: f32, x| m.max(x / pooled[0]));
         let adjacent = smaller * smaller * fields[k - first] / pooled[0];
         *floor = checked.max(adjacent).max(*floor);

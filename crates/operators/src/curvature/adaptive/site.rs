@@ -17,7 +17,6 @@ const ROUNDS: usize = 4;
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Site {
-    pub(super) position: DVec3,
     /// The unit normal after two rounds of averaging, zero where there is none.
     pub(super) normal: DVec3,
     /// The first axis of the tangent plane; the second is `normal × axis`.
@@ -34,6 +33,8 @@ pub(super) struct Site {
 #[derive(Debug)]
 pub(super) struct Sites {
     pub(super) all: Vec<Site>,
+    /// In units of `unit`; apart, since searches read nothing else.
+    pub(super) positions: Vec<DVec3>,
     /// The local mean edge length.
     pub(super) length: Vec<f64>,
     /// The local area of a vertex over the square of `length`.
@@ -74,22 +75,23 @@ impl Sites {
                 spread += area * squares / 12.0;
                 whole += area;
             }
-            let position = DVec3::from(mesh.positions()[v as usize].map(|x| x / unit));
             let spread = if whole > 0.0 { spread / whole } else { 0.0 };
-            (Site::new(position, smooth[v as usize], &sum, spread), whole / 3.0)
+            (Site::new(smooth[v as usize], &sum, spread), whole / 3.0)
         };
         let found: Vec<(Site, f64)> =
             (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(1024).map(site).collect();
         let all: Vec<Site> = found.iter().map(|(site, _)| *site).collect();
-        let length = smoothed(mesh, mean_edges(mesh, &all));
+        let position = |p: &[f64; 3]| DVec3::from(p.map(|x| x / unit));
+        let positions: Vec<DVec3> = mesh.positions().iter().map(position).collect();
+        let length = smoothed(mesh, mean_edges(mesh, &positions));
         let area = smoothed(mesh, found.iter().map(|(_, area)| *area).collect());
         let area = area.iter().zip(&length).map(|(a, l)| a / (l * l)).collect();
-        Self { all, length, area, unit }
+        Self { all, positions, length, area, unit }
     }
 }
 
 impl Site {
-    fn new(position: DVec3, normal: DVec3, sum: &CorrectedMeasures, spread: f64) -> Self {
+    fn new(normal: DVec3, sum: &CorrectedMeasures, spread: f64) -> Self {
         let [axis, other] = tangent_frame(normal);
         let form = |x: DVec3, y: DVec3| x.dot(sum.tensor.map(|row| DVec3::from(row).dot(y)).into());
         let measure = [
@@ -99,7 +101,7 @@ impl Site {
             0.5 * (form(axis, other) + form(other, axis)),
         ];
         let area = sum.area;
-        Self { position, normal, axis, area, measure, spread }
+        Self { normal, axis, area, measure, spread }
     }
 }
 
@@ -109,18 +111,18 @@ fn power_of_two(x: f64) -> f64 {
 }
 
 /// The mean length of the edges at each vertex.
-fn mean_edges(mesh: &TriMesh, sites: &[Site]) -> Vec<f64> {
+fn mean_edges(mesh: &TriMesh, positions: &[DVec3]) -> Vec<f64> {
     let topology = mesh.topology();
     let mean = |v: usize| {
         let neighbors = topology.neighbors(v as u32);
-        let distance = |&w: &u32| sites[v].position.distance(sites[w as usize].position);
+        let distance = |&w: &u32| positions[v].distance(positions[w as usize]);
         neighbors.iter().map(distance).sum::<f64>() / (neighbors.len() as f64).max(1.0)
     };
-    (0..sites.len()).into_par_iter().with_min_len(1024).map(mean).collect()
+    (0..positions.len()).into_par_iter().with_min_len(1024).map(mean).collect()
 }
 
 /// The values after [`ROUNDS`] rounds of averaging over each vertex and its neighbours.
-fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
+pub(super) fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
     let topology = mesh.topology();
     for _ in 0..ROUNDS {
         let mean = |v: usize| {

@@ -221,3 +221,49 @@ fn hubs_take_no_time() {
     let field = adaptive(&TriMesh::new(positions, faces).unwrap());
     assert!(field.mean.iter().all(|h| h.abs() < 1e-6));
 }
+
+/// Tubes of few vertices around, on which no fit is valid: the cotangent formula is the best
+/// estimator without noise, one ring of corrected measures with noise.
+#[test]
+fn coarse_tubes_are_near_the_best_choice() {
+    for (minor, around, across) in [(0.38, 18, 8), (0.28, 26, 9)] {
+        let clean = shapes::torus(1.0, minor, around, across);
+        let at = |&p: &[f64; 3]| Torus { major: 1.0, minor }.curvature(p).unwrap();
+        let truth: Vec<[f64; 2]> =
+            clean.positions().iter().map(at).map(|c| [c.mean(), c.gaussian()]).collect();
+        for (level, bound) in [(0.0, 1.3), (0.03, 2.0), (0.12, 2.0)] {
+            let mesh = noisy(&clean, level, 8);
+            let (found, best) = (errors(&adaptive(&mesh), &truth), best(&mesh, &truth));
+            assert!((0..2).all(|k| found[k] < bound * best[k]), "{level}: {found:?}, {best:?}");
+        }
+    }
+}
+
+/// Waves along the normals, some three edges long: the mesh looks smooth, so small radii are taken
+/// for right unless the option says otherwise.
+#[test]
+fn waves_of_scanners_ask_for_their_option() {
+    let torus = shapes::torus(1.0, 0.4, 120, 48);
+    let torus = shapes::jittered(&torus, 0.25, 4, shapes::onto_torus(1.0, 0.4));
+    let sphere = shapes::jittered(&shapes::icosphere(4), 0.25, 4, shapes::onto_sphere);
+    let at = |&p: &[f64; 3]| Torus { major: 1.0, minor: 0.4 }.curvature(p).unwrap();
+    let of_torus = torus.positions().iter().map(at).map(|c| [c.mean(), c.gaussian()]).collect();
+    let of_sphere: Vec<[f64; 2]> = vec![[1.0; 2]; sphere.vertex_count()];
+    for (clean, truth) in [(torus, of_torus), (sphere, of_sphere)] {
+        let white = noisy(&clean, 1.0, 6);
+        let gaps = white.positions().iter().zip(clean.positions()).map(|(a, b)| a[0] - b[0]);
+        let waves = site::smoothed(&clean, gaps.collect());
+        let rms = (waves.iter().map(|x| x * x).sum::<f64>() / waves.len() as f64).sqrt();
+        let height = 0.1 * clean.mean_edge_length() / rms;
+        let normals = crate::vertex_normals(&clean);
+        let moved = (clean.positions().iter().zip(&normals).zip(&waves))
+            .map(|((p, n), x)| std::array::from_fn(|k| p[k] + height * x * n[k]));
+        let mesh = clean.with_positions(moved.collect()).unwrap();
+        let [without, with] = [NoiseKind::Independent, NoiseKind::Correlated].map(|noise| {
+            let field = adaptive_curvature(&mesh, AdaptiveOptions { noise }).unwrap();
+            (errors(&field, &truth), coverage(&field, &truth))
+        });
+        let is_better = (0..2).all(|k| with.0[k] < 0.35 * without.0[k]);
+        assert!(is_better && without.1 < 0.25 && with.1 > 0.55, "{without:?}, {with:?}");
+    }
+}
