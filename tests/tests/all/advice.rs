@@ -101,7 +101,7 @@ fn leading(cell: &str) -> f64 {
 fn weights_and_estimators_are_as_the_report_has_them() {
     let page = choosing();
     let analytic = report("q3/analytic.csv");
-    let mut ratios = vec![];
+    let (mut ratios, defaults) = (vec![], "docs/guide/src/defaults.md");
     for (surface, finest) in [("torus", "8192"), ("ellipsoid", "10242")] {
         for sampling in ["regular", "jittered"] {
             let at = [("surface", surface), ("sampling", sampling), ("vertices [count]", finest)];
@@ -109,15 +109,17 @@ fn weights_and_estimators_are_as_the_report_has_them() {
                 let row = with(&analytic, &[&at[..], &[("estimator", name)]].concat())[0];
                 number(row, "RMS error [relative]")
             };
-            ratios.push(of("uniform, scaled") / of("cotangent, mixed area"));
+            let [mixed, barycentric] =
+                ["mixed", "barycentric"].map(|area| of(&format!("cotangent, {area} area")));
+            ratios.push(of("uniform, scaled") / mixed);
+            assert!(mixed < barycentric, "{surface}, {sampling}");
+            let in_percent = [mixed, barycentric].map(|x| shown(100.0 * x));
+            assert_eq!(row_of(defaults, &format!("{surface}, {sampling}"))[1..], in_percent);
         }
     }
     let ratio = (least(&ratios) * 10.0).floor() / 10.0;
     says(&page, &format!("was at least {ratio:.1} times smaller"));
-    says(
-        &self::page("docs/guide/src/defaults.md"),
-        &format!("at least {ratio:.1} times the error"),
-    );
+    says(&self::page(defaults), &format!("at least {ratio:.1} times the error"));
 
     let ordinary = report("estimators/ordinary.csv");
     let columns = ["H over the best other [1]", "K over the best other [1]"];
