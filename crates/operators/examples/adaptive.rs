@@ -254,26 +254,6 @@ fn median(values: &mut [f64]) -> f64 {
     values[values.len() / 2]
 }
 
-/// Seconds for a sphere of 164 thousand vertices without and with noise, beside others.
-fn time() {
-    let sphere = shapes::icosphere(7);
-    let surface = Surface { name: "sphere".into(), truth: vec![], mesh: sphere };
-    for level in [0.0, 0.1] {
-        println!("noise {level}");
-        time_on(&surface.noisy(level, 1));
-    }
-}
-
-fn time_on(sphere: &TriMesh) {
-    sphere.topology();
-    for name in ["corrected-ball", "jet3", "adaptive"] {
-        let start = std::time::Instant::now();
-        let estimator: Estimator = name.parse().unwrap();
-        estimator.estimate(sphere).unwrap();
-        println!("{name}: {:.2} s", start.elapsed().as_secs_f64());
-    }
-}
-
 /// Medians and worst ratios.
 fn summarize(mut ratios: [Vec<f64>; 4], mut covered: [Vec<f64>; 4]) {
     for (k, name) in ["clean H", "clean K", "noisy H", "noisy K"].into_iter().enumerate() {
@@ -287,9 +267,6 @@ fn summarize(mut ratios: [Vec<f64>; 4], mut covered: [Vec<f64>; 4]) {
 }
 
 fn main() {
-    if std::env::args().any(|a| a == "time") {
-        return time();
-    }
     let given: Vec<String> = std::env::args().skip(1).collect();
     let set = Set::named(&given);
     let verbose = given.iter().any(|a| a == "all");

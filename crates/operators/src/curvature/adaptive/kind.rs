@@ -6,8 +6,8 @@ pub enum NoiseKind {
     /// Each vertex by itself.
     Independent,
     /// Neighbours alike, as in the waves of a scanner: the mesh looks smooth, and small radii
-    /// agree with each other but not with large ones. Bias is then taken from the next larger
-    /// radius alone.
+    /// agree with each other but not with large ones. All radii are then taken, and the error is
+    /// the difference from the next larger one.
     Correlated,
 }
 

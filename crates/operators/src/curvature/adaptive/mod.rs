@@ -23,7 +23,7 @@
 //!
 //! Candidates are left out where the surface turns too far. Where it turns by more than about 100°
 //! within 2.75 edges, H and K are those of the [cotangent formula](super::cotangent_curvature) and
-//! the angle defect, on meshes without much noise.
+//! the angle defect on clean meshes, and densities of one ring under noise.
 //!
 //! **At borders** neighbourhoods are one-sided: variance and bias are scaled by what the equations
 //! of each fit say. Under noise of a tenth of an edge, expect several times the error of the inside
