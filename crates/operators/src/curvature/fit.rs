@@ -217,8 +217,8 @@ pub(crate) fn quadratic(x: f64, y: f64) -> [f64; 6] {
 /// A neighbourhood with fewer than `at_least` others is widened; where the connected part has no
 /// more, the vertex has too few neighbours. One whose normals, averaged twice, turn by more than
 /// 60° from that of the vertex is no height field: fewer rings are taken there, and where these do
-/// not determine the fit, a quadric. Where the fit finds no solution the neighbours do not determine
-/// one.
+/// not determine the fit, a quadric. Where the fit finds no solution the neighbours do not
+/// determine one.
 pub(crate) fn fit_each<F>(
     mesh: &TriMesh,
     neighborhood: Neighborhood,
