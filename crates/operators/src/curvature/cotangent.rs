@@ -57,7 +57,11 @@ pub fn cotangent_curvature(
     on_oriented(mesh, |mesh| estimate(mesh, options))
 }
 
-fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField, OperatorError> {
+/// The same on an oriented mesh, with the sign of its orientation on one-sided parts as well.
+pub(super) fn estimate(
+    mesh: &TriMesh,
+    options: CotangentOptions,
+) -> Result<CurvatureField, OperatorError> {
     // The robust Laplacian has areas of its own.
     let field = match choose(mesh, LaplacianKind::Auto, MassKind::Barycentric)?.1 {
         Reason::ThinFace { .. } => laplacian_curvature(mesh, &Laplacian::auto(mesh)?)?,

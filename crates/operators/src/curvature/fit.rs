@@ -100,14 +100,15 @@ impl<'a> HeightField<'a> {
     /// Where the neighbourhood is bent, `x² + z²/2` and `y² + z²/2` stand for the squares: on
     /// spheres the fit is exact then, and on cylinders its error is halved. As a level set F = 0 of
     /// such a polynomial less z, a height field has `zₓ = −Fₓ/F_z` and
-    /// `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`.
+    /// `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`. Quartics are close to z² themselves: beside them the equations
+    /// would hardly determine the squares.
     #[inline]
     pub(crate) fn fit<const N: usize>(
         &self,
         monomials: impl Fn(f64, f64) -> [f64; N],
         weight: impl Fn([f64; 3]) -> f64,
     ) -> Option<AtVertex> {
-        let bends = self.bends();
+        let bends = if N < QUARTIC { self.bends() } else { [0.0; 2] };
         let mut equations = NormalEquations::<N>::default();
         equations.add(&monomials(0.0, 0.0), 0.0, 1.0);
         for point in self.neighbors() {
@@ -158,6 +159,9 @@ const MIN_COSINE: f64 = 0.5;
 
 /// The least cosine of one that is nearly flat, where z² is negligible beside x² + y²: 30°.
 const FLAT_COSINE: f64 = 0.866;
+
+/// The monomials up to degree four.
+const QUARTIC: usize = 15;
 
 /// The neighbours that determine a quadric.
 const OF_QUADRIC: usize = 5;

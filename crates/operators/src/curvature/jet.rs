@@ -12,7 +12,7 @@
 //! norm on irregular meshes. Coordinates are along the principal axes of the
 //! neighbours, each in its own unit: long faces are fitted as well as round ones.
 //! Where normals turn by more than 30° from that of the vertex, `x² + z²/2` and `y² + z²/2` stand
-//! for `x²` and `y²`, so that spheres are fitted exactly. Source: [cazals2005].
+//! for `x²` and `y²` up to degree 3, so that spheres are fitted exactly. Source: [cazals2005].
 //!
 //! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 

@@ -72,7 +72,7 @@ pub use self::kind::NoiseKind;
 use self::noise::Noise;
 use self::regression::density;
 use self::site::Sites;
-use super::cotangent::{CotangentOptions, cotangent_curvature};
+use super::cotangent::{self, CotangentOptions};
 use super::field::CurvatureField;
 use super::oriented::on_oriented;
 use super::status::Undefined;
@@ -171,7 +171,7 @@ fn coarse(
     if !(0..all.len()).any(is_coarse) {
         return found;
     }
-    let Ok(field) = cotangent_curvature(mesh, CotangentOptions::DEFAULT) else { return found };
+    let Ok(field) = cotangent::estimate(mesh, CotangentOptions::DEFAULT) else { return found };
     let both = |v: usize| {
         let [mean, gaussian, ..] = density(sites, v).filter(|_| field.status[v].is_defined())?;
         let (unit, length) = (sites.unit, sites.length[v]);
