@@ -48,8 +48,8 @@ impl<const B: usize> CgWorkspace<B> {
 ///
 /// # Errors
 ///
-/// [`SparseError::NotConverged`] after `max_iterations` iterations or for a residual that is not
-/// finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
+/// [`SparseError::NotConverged`] where `ends`, given the iterations and the residual, is true, or for
+/// a residual that is not finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
 /// iteration.
 pub(crate) fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
@@ -57,7 +57,7 @@ pub(crate) fn descend<const B: usize, S: CgSystem<B>>(
     workspace: &mut CgWorkspace<B>,
     done: impl Fn(&[f64; B]) -> [bool; B],
     iterations: &mut usize,
-    max_iterations: usize,
+    ends: impl Fn(usize, f64) -> bool,
 ) -> Result<(), SparseError> {
     let CgWorkspace { r, p, q } = workspace;
     let [mut rr, mut rz] = update(p, |i, _| {
@@ -71,7 +71,7 @@ pub(crate) fn descend<const B: usize, S: CgSystem<B>>(
         }
         fairing_watch::check();
         let residual = rr.iter().map(|rr| rr.sqrt()).fold(0.0, larger);
-        if *iterations == max_iterations || !residual.is_finite() {
+        if !residual.is_finite() || ends(*iterations, residual) {
             let (iterations, row) = (*iterations, worst_row(r));
             return Err(SparseError::NotConverged { iterations, residual, row });
         }
@@ -262,9 +262,10 @@ where
     }
     let goal = options.tolerance * size;
     let done = |squares: &[f64; 3]| [root(squares) <= goal; 3];
-    let (mut iterations, limit) = (0, options.max_iterations);
+    let mut iterations = 0;
+    let ends = |iterations, _| iterations >= options.max_iterations;
     // The residual shows a failure.
-    let _ = descend(operator, &mut x, &mut workspace, done, &mut iterations, limit);
+    let _ = descend(operator, &mut x, &mut workspace, done, &mut iterations, ends);
     let rest = norm(&workspace.r);
     CgSolution { x, iterations, residual: if size > 0.0 { rest / size } else { rest } }
 }

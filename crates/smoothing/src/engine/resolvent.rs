@@ -67,6 +67,11 @@ impl Resolvent {
         self.coefficients.len() - 1
     }
 
+    /// τ, and the number of systems.
+    pub(crate) fn systems(&self) -> (f64, usize) {
+        (self.step, self.degree())
+    }
+
     /// `Σ cₖ Tₖ(2R − 1) x` by Clenshaw's recurrence, and the largest relative residual. `mesh` is
     /// in the order of the Laplacian.
     pub(crate) fn apply(

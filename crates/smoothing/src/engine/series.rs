@@ -21,7 +21,7 @@
 
 use std::ops::ControlFlow;
 
-use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
+use fairing_sparse::{ChebyshevSeries, GraphLaplacian, Workload};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowError;
@@ -35,6 +35,9 @@ pub(crate) const TOLERANCE: f64 = 1e-10;
 
 /// The largest interpolation error.
 const SAMPLED: f64 = 1e-12;
+
+/// The relative residual at which the costs of solving systems are compared with those of a series.
+const RESIDUAL: f64 = 1e-8;
 
 /// The largest number of samples.
 const MAX_SAMPLES: usize = 4096;
@@ -126,26 +129,34 @@ fn samples(bound: f64, of: Response) -> Option<usize> {
 }
 
 /// Multiplies the mode of eigenvalue μ of `L` by `response.at(μ)` with a Chebyshev series, if the
-/// run is unobserved, has free and pinned vertices only, and if a short series exists; otherwise
-/// returns the run. `bound` computes the [spectral bound](GraphLaplacian::spectral_bound).
+/// run is unobserved, has free and pinned vertices only, and if a series exists that is faster than
+/// solving the `systems` `(M + tS) x = b` that would do the same, given by t and their number;
+/// otherwise returns the run. `bound` computes the [spectral bound](GraphLaplacian::spectral_bound).
 pub(crate) fn at_once<'a, 'o>(
     mut run: Run<'a, 'o>,
     laplacian: &GraphLaplacian,
     response: Response,
+    systems: Option<(f64, usize)>,
     bound: impl FnOnce() -> f64,
 ) -> ControlFlow<Result<Smoothed, FlowError>, Run<'a, 'o>> {
     if !run.is_linear() {
         return ControlFlow::Continue(run);
     }
-    let Some(series) = series(bound(), response) else { return ControlFlow::Continue(run) };
+    let work = systems
+        .map(|(step, solves)| Workload::new(laplacian, step, laplacian.mass(), RESIDUAL, solves));
+    let pays = |products| work.is_none_or(|work| work.prefers_series(products));
+    let Some(series) = series(bound(), response, pays) else {
+        return ControlFlow::Continue(run);
+    };
     run.report.approach = Approach::Series { degree: series.products() };
     run.report.iterations = response.steps();
     let x = series.apply(laplacian, run.arrangement.mesh().positions());
     ControlFlow::Break(run.finish(x))
 }
 
-/// The series of a run, if it is cheaper than the steps.
-fn series(bound: f64, response: Response) -> Option<Chain> {
+/// The series of a run, if it is cheaper than explicit steps, and if that many products pay instead
+/// of solving systems.
+fn series(bound: f64, response: Response, pays: impl Fn(usize) -> bool) -> Option<Chain> {
     // A product of a series costs a third less than a step.
     match response {
         Response::Explicit { steps, .. } if steps > 1 => {
@@ -156,7 +167,12 @@ fn series(bound: f64, response: Response) -> Option<Chain> {
         }
         Response::Explicit { .. } | Response::Pairs { .. } => None,
         Response::Implicit { steps: 0, .. } => None,
-        other => Chain::one(bound, other),
+        // Truncation drops up to a third of the samples; finding the degree takes the square of
+        // their number.
+        other => samples(bound, other)
+            .filter(|&count| pays(count / 3 * 2))
+            .and_then(|_| Chain::one(bound, other))
+            .filter(|chain| pays(chain.products())),
     }
 }
 

@@ -115,7 +115,7 @@ pub fn explicit(
         }
     }
     let response = Response::Explicit { step, steps: options.iterations };
-    match at_once(run, &laplacian, response, || bound) {
+    match at_once(run, &laplacian, response, None, || bound) {
         ControlFlow::Break(smoothed) => smoothed,
         ControlFlow::Continue(run) => explicit_steps(run, &laplacian, &[step]),
     }

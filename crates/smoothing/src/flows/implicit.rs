@@ -118,7 +118,9 @@ pub fn implicit(
     }
     let laplacian = run.laplacian(options.diffusion)?;
     let response = Response::Implicit { step, steps: options.iterations };
-    let run = match at_once(run, &laplacian, response, || laplacian.spectral_bound()) {
+    let run = match at_once(run, &laplacian, response, Some((step, options.iterations)), || {
+        laplacian.spectral_bound()
+    }) {
         ControlFlow::Break(smoothed) => return smoothed,
         ControlFlow::Continue(run) => run,
     };

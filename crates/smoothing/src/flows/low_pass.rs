@@ -185,11 +185,14 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         }
         Transfer::Modes(_) => Response::Heat { time: 0.0 },
     };
-    let mut run = match at_once(run, &laplacian, response, || laplacian.spectral_bound()) {
+    let resolvent = Resolvent::expand(response);
+    let systems = resolvent.as_ref().map(Resolvent::systems);
+    let bound = || laplacian.spectral_bound();
+    let mut run = match at_once(run, &laplacian, response, systems, bound) {
         ControlFlow::Break(smoothed) => return smoothed,
         ControlFlow::Continue(run) => run,
     };
-    let Some(resolvent) = Resolvent::expand(response).filter(|_| run.is_linear()) else {
+    let Some(resolvent) = resolvent.filter(|_| run.is_linear()) else {
         let reason = "a low-pass filter supports free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     };

@@ -121,7 +121,7 @@ pub fn taubin(
     }
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     // 2 is the spectral bound for uniform weights.
-    match at_once(run, &laplacian, of, || 2.0) {
+    match at_once(run, &laplacian, of, None, || 2.0) {
         ControlFlow::Break(smoothed) => smoothed,
         ControlFlow::Continue(run) => explicit_steps(run, &laplacian, &[lambda, mu]),
     }

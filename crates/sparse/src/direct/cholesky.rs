@@ -77,6 +77,7 @@ impl SymbolicCholesky {
             analysis: Arc::new(Analysis {
                 nodes,
                 order,
+                inverse,
                 starts: rows.starts.to_vec(),
                 columns: rows.columns.to_vec(),
             }),
@@ -287,10 +288,7 @@ impl Cholesky {
         match N {
             1 => self.solve_in_place(b.as_flattened_mut()),
             3 => self.solve_points_in_place(b.as_flattened_mut().as_chunks_mut().0),
-            _ => self
-                .factor
-                .solve_permuted::<N>(|row, lanes| *lanes = b[row])
-                .zip_order(&self.factor.analysis.order, |row, lanes| b[row] = *lanes),
+            _ => self.factor.solve_rows::<_, N>(b, |b| *b, |b, x| *b = *x),
         }
     }
 

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::direct::supernodes::Supernodes;
 use crate::direct::sweeps;
+use crate::parallel::CHUNK;
 
 /// Right-hand sides of a block that are solved in one sweep.
 pub(crate) const LANES: usize = 8;
@@ -34,66 +35,54 @@ impl Factor {
     }
 
     pub(crate) fn solve_vector(&self, b: &mut [f64]) {
-        assert_eq!(b.len(), self.rows(), "length of the right-hand side");
-        self.solve_permuted::<1>(|row, lanes| lanes[0] = b[row])
-            .zip_order(&self.analysis.order, |row, lanes| b[row] = lanes[0]);
+        self.solve_rows(b, |b| [*b], |b, x| *b = x[0]);
     }
 
     pub(crate) fn solve_points(&self, b: &mut [[f64; 3]]) {
-        assert_eq!(b.len(), self.rows(), "length of the right-hand side");
         // The fourth lane pads to a SIMD register.
-        self.solve_permuted::<4>(|row, lanes| lanes[..3].copy_from_slice(&b[row]))
-            .zip_order(&self.analysis.order, |row, lanes| b[row].copy_from_slice(&lanes[..3]));
+        let padded = |b: &[f64; 3]| [b[0], b[1], b[2], 0.0];
+        self.solve_rows(b, padded, |b, x| b.copy_from_slice(&x[..3]));
+    }
+
+    /// Solves in place for rows with `B` columns, read by `read` and written by `write`.
+    pub(crate) fn solve_rows<T: Send + Sync, const B: usize>(
+        &self,
+        b: &mut [T],
+        read: impl Fn(&T) -> [f64; B] + Sync,
+        write: impl Fn(&mut T, &[f64; B]) + Sync,
+    ) {
+        assert_eq!(b.len(), self.rows(), "length of the right-hand side");
+        let Analysis { order, inverse, .. } = &*self.analysis;
+        let ordered = order.par_iter().with_min_len(CHUNK);
+        let mut x: Vec<[f64; B]> = ordered.map(|&row| read(&b[row as usize])).collect();
+        self.solve_ordered(&mut x);
+        let rows = b.par_iter_mut().zip(inverse).with_min_len(CHUNK);
+        rows.for_each(|(b, &k)| write(b, &x[k as usize]));
     }
 
     pub(crate) fn solve_block(&self, mut b: ArrayViewMut2<'_, f64>) {
         assert_eq!(b.nrows(), self.rows(), "rows of the right-hand side");
         b.axis_chunks_iter_mut(Axis(1), LANES).into_par_iter().for_each(|mut b| {
             let width = b.ncols();
-            self.solve_permuted::<LANES>(|row, lanes| {
+            let order = &self.analysis.order;
+            let mut x = vec![[0.0; LANES]; order.len()];
+            for (lanes, &row) in x.iter_mut().zip(order) {
                 for j in 0..width {
-                    lanes[j] = b[[row, j]];
+                    lanes[j] = b[[row as usize, j]];
                 }
-            })
-            .zip_order(&self.analysis.order, |row, lanes| {
+            }
+            self.solve_ordered(&mut x);
+            for (lanes, &row) in x.iter().zip(order) {
                 for j in 0..width {
-                    b[[row, j]] = lanes[j];
+                    b[[row as usize, j]] = lanes[j];
                 }
-            });
+            }
         });
     }
 
     /// Solves in place for rows in the order of the factor.
     pub(crate) fn solve_ordered<const B: usize>(&self, x: &mut [[f64; B]]) {
         sweeps::solve(&self.analysis.nodes, &self.values, x);
-    }
-
-    /// Solves for right-hand sides written by `gather(row, lanes)`; the solution is in the order of
-    /// the factor.
-    pub(crate) fn solve_permuted<const B: usize>(
-        &self,
-        gather: impl Fn(usize, &mut [f64; B]),
-    ) -> Permuted<B> {
-        let mut x = vec![[0.0; B]; self.rows()];
-        for (x, &row) in x.iter_mut().zip(&self.analysis.order) {
-            gather(row as usize, x);
-        }
-        sweeps::solve(&self.analysis.nodes, &self.values, &mut x);
-        Permuted { x }
-    }
-}
-
-/// A solution in the order of the factor.
-pub(crate) struct Permuted<const B: usize> {
-    x: Vec<[f64; B]>,
-}
-
-impl<const B: usize> Permuted<B> {
-    /// Calls `scatter(row, lanes)` for every row.
-    pub(crate) fn zip_order(&self, order: &[u32], mut scatter: impl FnMut(usize, &[f64; B])) {
-        for (x, &row) in self.x.iter().zip(order) {
-            scatter(row as usize, x);
-        }
     }
 }
 
@@ -103,6 +92,8 @@ pub(crate) struct Analysis {
     pub(crate) nodes: Supernodes,
     /// `order[k]`: the row of the matrix that is eliminated k-th.
     pub(crate) order: Vec<u32>,
+    /// The place of each row in `order`.
+    pub(crate) inverse: Vec<u32>,
     pub(crate) starts: Vec<u32>,
     pub(crate) columns: Vec<u32>,
 }

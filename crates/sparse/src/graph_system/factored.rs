@@ -1,12 +1,14 @@
 //! A factorised system, solved with iterative refinement.
 
+use rayon::prelude::*;
+
 use crate::conjugate_gradients::worst_row;
 use crate::direct::{Cholesky, Elimination, Ordering, SymbolicCholesky};
 use crate::error::SparseError;
 use crate::graph_system::equations::{Centred, Equations};
 use crate::graph_system::gauge::{Columns, Sides, measure};
 use crate::order::larger;
-use crate::parallel::update;
+use crate::parallel::{CHUNK, update};
 
 /// Systems whose weights are at most this many times D need no correction: rounding of the diagonal
 /// is below 10⁻¹³ of D.
@@ -223,7 +225,8 @@ impl Factored {
         let (equations, right) = (centred.equations, |i: usize| centred.right(i));
         let parts = &equations.parts;
         let sides = Sides::new(centred);
-        let mut r: Vec<[f64; N]> = (0..equations.len()).map(right).collect();
+        let rows = (0..equations.len()).into_par_iter().with_min_len(CHUNK);
+        let mut r: Vec<[f64; N]> = rows.map(right).collect();
         let mut y = vec![[0.0; N]; r.len()];
         let mut solved = 0;
         loop {

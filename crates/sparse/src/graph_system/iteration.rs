@@ -37,8 +37,9 @@ struct Iteration<'a, const N: usize, R, P> {
 }
 
 /// Solves a system to a residual relative to the right-hand side of each column of each part, or to
-/// the level of rounding, within `limit` iterations and with changes projected by `project`.
-/// Returns the iterations taken and the residual; the solution about the origins is left in
+/// the level of rounding, within `limit` iterations and with changes projected by `project`. Without
+/// a projection, when a factorisation can take over, it ends at a quarter of the limit if the
+/// residual, extrapolated, would take more than twice the limit. Returns the iterations taken and the residual; the solution about the origins is left in
 /// `scratch`.
 pub(super) fn iterate<const N: usize, R, P>(
     centred: &Centred<'_, N, R>,
@@ -60,7 +61,8 @@ where
         let (guess, far) = (centred.guess(i), centred.reach(i));
         std::array::from_fn(|k| larger(guess[k].abs(), far[k]))
     });
-    let columns_of = if project.is_some() { Columns::Coupled } else { Columns::Independent };
+    let is_coupled = project.is_some();
+    let columns_of = if is_coupled { Columns::Coupled } else { Columns::Independent };
     let scales = Sides::new(centred).scales(&reach, tolerance, columns_of);
     let units: Vec<[f64; N]> = scales.iter().map(|scale| scale.map(reciprocal)).collect();
     y.resize(centred.equations.len(), [0.0; 4]);
@@ -69,14 +71,23 @@ where
     let system = Iteration { centred, units, project, inverse };
     let (mut iterations, mut residual) = (0, f64::INFINITY);
     let done = |squares: &Padded| [root(squares) <= tolerance; 4];
+    let mut first = f64::NAN;
     for restart in 0..=MAX_RESTARTS {
         residual = root(&system.residual(y, &mut cg.r));
+        if restart == 0 {
+            first = residual;
+        }
+        let ends = |iterations: usize, residual: f64| {
+            let digits = libm::log(first / residual) / libm::log(first / tolerance);
+            let spent = iterations as f64 / limit as f64;
+            iterations >= limit || !is_coupled && spent >= 0.25 && digits < 0.5 * spent
+        };
         if restart > 0 && residual <= tolerance {
             update(y, |i, y| (padded(scaled(columns(y), &scales[parts.part(i)])), ()));
             return Ok((iterations, residual));
         }
         if restart < MAX_RESTARTS {
-            descend(&system, y, cg, done, &mut iterations, limit)?;
+            descend(&system, y, cg, done, &mut iterations, ends)?;
             system.settle(y);
         }
     }

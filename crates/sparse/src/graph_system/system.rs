@@ -13,15 +13,8 @@ use crate::matrix::SparseMatrix;
 use crate::order::larger;
 use crate::parallel::update;
 
-/// Iterations before falling back to a factorisation.
-const ITERATIONS_BEFORE_FACTORING: usize = 2000;
-
 /// Iterations before a system that cannot be factorised fails.
 const MAX_ITERATIONS: usize = 20_000;
-
-/// The initial residual of conjugate gradients, relative to the right-hand side: consecutive steps
-/// of a flow change little.
-const CHANGE: f64 = 0.01;
 
 /// The condition beyond which systems are always factorised: the smallest eigenvalues, of parts
 /// that move nearly as a whole, are then lost to rounding in conjugate gradients.
@@ -61,6 +54,8 @@ pub struct GraphSystem {
     solves: usize,
     /// True if a factorisation is faster.
     factorises: bool,
+    /// Iterations that take as long as a factorisation, which then takes over.
+    patience: usize,
     symbolic: Option<SymbolicCholesky>,
     factored: OnceLock<Result<Factored, SparseError>>,
     scratch: Mutex<Scratch>,
@@ -152,6 +147,7 @@ impl GraphSystem {
             goal,
             solves: 1,
             factorises: false,
+            patience: MAX_ITERATIONS,
             symbolic: None,
             factored: OnceLock::new(),
             scratch: Mutex::default(),
@@ -168,14 +164,9 @@ impl GraphSystem {
             if parts.is_given(i) { [0.0] } else { [step * laplacian.diagonal()[i] / added[i]] }
         };
         let largest = parts.largest(ratio).into_iter().flatten().fold(0.0, larger);
-        let work = Workload {
-            rows: laplacian.len(),
-            entries: laplacian.entries(),
-            condition: 1.5 * (1.0 + largest),
-            tolerance: (tolerance / CHANGE).min(1.0),
-            solves: self.solves,
-        };
-        self.factorises = work.condition > ILL_CONDITIONED || work.prefers_factorisation();
+        let work = Workload::new(laplacian, *step, added, tolerance, self.solves);
+        self.patience = work.patience() as usize;
+        self.factorises = 1.5 * (1.0 + largest) > ILL_CONDITIONED || work.prefers_factorisation();
     }
 
     /// Changes S and D, and chooses the solver anew; the analysis of the pattern is kept. `change`
@@ -221,7 +212,7 @@ impl GraphSystem {
         assert_eq!(x.len(), self.equations.len(), "sizes of the operands");
         if !self.factorises && self.factored.get().is_none() {
             let free = None::<fn(usize, [f64; N]) -> [f64; N]>;
-            let solved = self.iterate(&right, x, free, ITERATIONS_BEFORE_FACTORING);
+            let solved = self.iterate(&right, x, free, self.patience);
             if solved.is_ok() {
                 return solved;
             }
