@@ -7,6 +7,11 @@
 pub(super) type Lanes = [f64; LANES];
 pub(super) const LANES: usize = 4;
 
+/// The least pivot of a fit, over its diagonal entry. Pivots of quartics are 0.02 to 0.15 where
+/// points surround the centre; over three rows of a regular grid, on which a quartic is a parabola,
+/// they are 10⁻¹⁰ to 10⁻³.
+const LEAST_PIVOT: f64 = 3e-3;
+
 /// The Cholesky factors of the matrices.
 pub(super) struct Factors<const N: usize> {
     /// Its part below the diagonal.
@@ -28,7 +33,7 @@ impl<const N: usize> Factors<N> {
                 }
                 for lane in 0..LANES {
                     if i == j {
-                        let is_right = sum[lane] > 1e-10 * matrix[i][i][lane] && sum[lane] > 0.0;
+                        let is_right = sum[lane] > LEAST_PIVOT * matrix[i][i][lane];
                         inverse[i][lane] = if is_right { 1.0 / sum[lane].sqrt() } else { 0.0 };
                     } else {
                         sum[lane] *= inverse[j][lane];

@@ -267,3 +267,23 @@ fn waves_of_scanners_ask_for_their_option() {
         assert!(is_better && without.1 < 0.25 && with.1 > 0.55, "{without:?}, {with:?}");
     }
 }
+
+/// A jet over three rows of a regular torus leaves terms undetermined.
+#[test]
+fn regular_tori_have_both_curvatures() {
+    for (around, across, bounds) in [
+        (40, 40, [0.011, 0.03]),
+        (60, 40, [0.002, 0.006]),
+        (64, 40, [0.002, 0.004]),
+        (80, 24, [0.002, 0.006]),
+        (128, 80, [2e-4, 2e-4]),
+    ] {
+        let mesh = shapes::torus(1.0, 0.4, around, across);
+        let at = |&p: &[f64; 3]| Torus { major: 1.0, minor: 0.4 }.curvature(p).unwrap();
+        let truth: Vec<[f64; 2]> =
+            mesh.positions().iter().map(at).map(|c| [c.mean(), c.gaussian()]).collect();
+        let found = errors(&adaptive(&mesh), &truth);
+        let is_close = found[0] < bounds[0] && found[1] < bounds[1];
+        assert!(is_close, "{around} × {across}: {found:?}");
+    }
+}
