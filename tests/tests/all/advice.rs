@@ -16,11 +16,11 @@ pub(crate) fn read(path: &str) -> String {
 }
 
 /// The text of a page, with single spaces between words.
-fn page(path: &str) -> String {
+pub(crate) fn page(path: &str) -> String {
     read(path).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn choosing() -> String {
+pub(crate) fn choosing() -> String {
     page("docs/guide/src/choosing.md")
 }
 
@@ -38,7 +38,7 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
-fn rows(path: &str) -> Rows {
+pub(crate) fn rows(path: &str) -> Rows {
     let text = read(path);
     let mut lines = text.lines().map(cells);
     let head = lines.next().unwrap();
@@ -55,12 +55,15 @@ pub(crate) fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
 }
 
 /// The rows with these values in these columns.
-fn with<'a>(rows: &'a Rows, values: &[(&str, &str)]) -> Vec<&'a BTreeMap<String, String>> {
+pub(crate) fn with<'a>(
+    rows: &'a Rows,
+    values: &[(&str, &str)],
+) -> Vec<&'a BTreeMap<String, String>> {
     rows.iter().filter(|row| values.iter().all(|(column, is)| row[*column] == *is)).collect()
 }
 
 /// Two digits, or hundredths below one, with a proper minus.
-fn shown(x: f64) -> String {
+pub(crate) fn shown(x: f64) -> String {
     let text = match x.abs() {
         a if a >= 9.95 => format!("{x:.0}"),
         a if a >= 0.995 => format!("{x:.1}"),
@@ -69,16 +72,16 @@ fn shown(x: f64) -> String {
     text.replace('-', "−")
 }
 
-fn least(values: &[f64]) -> f64 {
+pub(crate) fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn largest(values: &[f64]) -> f64 {
+pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The middle of a row of a Markdown table that begins with `start`, as cells.
-fn row_of(path: &str, start: &str) -> Vec<String> {
+pub(crate) fn row_of(path: &str, start: &str) -> Vec<String> {
     let text = read(path);
     let line = text.lines().find(|line| line.starts_with(&format!("| {start} |")));
     let line = line.unwrap_or_else(|| panic!("{path}: no row {start}"));
@@ -86,7 +89,7 @@ fn row_of(path: &str, start: &str) -> Vec<String> {
 }
 
 #[track_caller]
-fn says(page: &str, words: &str) {
+pub(crate) fn says(page: &str, words: &str) {
     assert!(page.contains(words), "the page does not say: {words}");
 }
 

@@ -23,6 +23,7 @@ mod invariants;
 mod many_files;
 mod masks;
 mod mending;
+mod packages;
 mod public_types;
 mod readme;
 mod rendering;
