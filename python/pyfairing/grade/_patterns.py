@@ -1,0 +1,308 @@
+"""Names for differences that no convention explains: factors, fields, orders, NaN, places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from .._arrays import Bools, Floats
+from ._engine import RELATIVE, Case, Trial, informative, measured, naming, row_norm, whole
+from ._report import Convention, Report
+
+_FRACTIONS = {
+    2.0: "2", 0.5: "1/2", 3.0: "3", 1 / 3: "1/3", 4.0: "4", 0.25: "1/4", 6.0: "6", 1 / 6: "1/6",
+    1.5: "3/2", 2 / 3: "2/3", 8.0: "8", 0.125: "1/8", 12.0: "12", 1 / 12: "1/12", np.pi: "π",
+    2 * np.pi: "2π", 1 / np.pi: "1/π", 0.5 / np.pi: "1/(2π)", 180 / np.pi: "180/π (degrees)",
+    np.pi / 180: "π/180 (radians taken for degrees)", 100.0: "100", 0.01: "1/100", 2**0.5: "√2",
+}  # fmt: skip
+
+
+def undefined(case: Case) -> Convention:
+    """The pattern of the values that are NaN."""
+    bad = ~case.rows
+    masks: dict[str, tuple[Bools, str]] = {}
+    facts = case.facts
+    if facts is not None and len(bad) == facts.n:
+        flat = row_norm(case.formula(facts)[0]) <= 1e-9 * np.median(np.abs(case.formula(facts)[1]))
+        inner = ~facts.border
+        masks = {
+            "inside": (inner, "only the branch for the border returns a value"),
+            "at the border": (facts.border, "a neighbour or a face that does not exist, or 0/0"),
+            "at flat vertices": (flat, "a division 0/0, such as s/|s| for a sign or v/‖v‖ of a zero vector"),
+            "at flat vertices inside": (flat & inner, "a division 0/0, such as s/|s| for a sign"),
+            "at isolated vertices": (facts.degree == 0, "a division by the area or the degree 0"),
+            "where a triangle is obtuse": (facts.obtuse, "the logarithm or root of a negative cotangent"),
+        }
+        for name, mask in case.masks.items():
+            masks[name] = (mask, "a root of a negative number: clamp it at 0")
+        smallest = facts.corner_sizes["smallest angle"]
+        needles = (smallest < np.deg2rad(1.0)) | (facts.corner_sizes["largest angle"] > np.deg2rad(178))
+        masks["at needles"] = (needles, "acos of a number just above 1: clamp it, or take atan2")
+    for name, (mask, reason) in masks.items():
+        if (mask == bad).all():
+            return Convention(f"NaN {name}", reason, {})
+    for name, (mask, reason) in masks.items():
+        if not (bad & ~mask).any():
+            return Convention(f"NaN {name}", f"{reason} (at {bad.sum()} of {mask.sum()})", {})
+    first = int(np.flatnonzero(bad)[0])
+    return Convention(f"NaN at {int(bad.sum())} of {len(bad)}, first at {first}", "0/0, or a root below 0", {})
+
+
+def difference_in_words(case: Case, trial: Trial, wrong: Bools) -> tuple[str, tuple[Convention, ...]]:
+    """The wrong values against ours."""
+    given = np.asarray(case.given.todense()) if hasattr(case.given, "todense") else np.asarray(case.given)
+    ours = np.asarray(trial.values.todense()) if hasattr(trial.values, "todense") else trial.values
+    mine, theirs = ours[wrong], given[wrong]
+    if not wrong.any():
+        return "the values are undefined", ()
+    tiny = 1e-9 * np.median(trial.size)
+    if (np.abs(theirs) <= tiny).all():
+        return "the values are 0", (Convention("0 there", "vertices left out", {}, False),)
+    flat, own = theirs.reshape(-1), mine.reshape(-1)
+    filled = np.abs(own) > 1e-6 * np.abs(own).max() if np.abs(own).max() > 0 else own > 0
+    if filled.any():
+        ratios = flat[filled] / own[filled]
+        if np.ptp(ratios) < 1e-4 * abs(ratios[0]):
+            name = _number(ratios[0])
+            return f"the values are ours times {name}", (Convention(f"times {name} there", "there", {}),)
+    errors = np.where(wrong, trial.error, 0.0)
+    worst = int(np.nan_to_num(errors).argmax())
+    if given.ndim == 1:
+        return f"the values differ, such as {given[worst]:.4g} for {ours[worst]:.4g} at vertex {worst}", ()
+    return f"the values differ, by up to {errors[worst]:.3g} at vertex {worst}", ()
+
+
+def unexplained(case: Case, trials: list[Trial]) -> Report:
+    """The report if no pair of conventions fits everywhere, nor inside."""
+    rows: list[tuple[str, Bools]] = [("", case.rows)]
+    if case.facts is not None and case.what == "vertex" and len(case.rows) == case.facts.n:
+        inner = case.rows & ~case.facts.border
+        if inner.sum() > 8 and (inner != case.rows).any():
+            rows.append((" inside; the border differs, too", inner))
+    simple = [t for t in trials if len(t.conventions) < 2]
+    base = simple[0] if simple else None
+    for words, mask in rows:
+        for trial in simple:
+            for test in (_factor, _field, _signs):
+                found = test(case, trial, mask)
+                if found is None:
+                    continue
+                names = f"{naming(trial.conventions)} and " if trial.conventions else ""
+                text = f"mistake: {names}{found.name}{words}"
+                return measured(case, trial, "mistake", text, case.table, (found,))
+    if base is None:
+        return Report(case.quantity, "unexplained", "no formula applies to this mesh")
+    for found in _structure(case, base):
+        return measured(case, base, "mistake", f"mistake: {found.name}", case.table, (found,))
+    return _places(case, trials)
+
+
+def _number(value: float) -> str:
+    for known, name in _FRACTIONS.items():
+        for sign, mark in ((1, ""), (-1, "-")):
+            if abs(value - sign * known) < 3e-5 * known:
+                return mark + name
+    return f"{value:.6g}"
+
+
+def _entries(case: Case, trial: Trial, mask: Bools) -> tuple[Floats, Floats, Floats] | None:
+    """Answer, ours and tolerance of the rows, as dense arrays; None for matrices."""
+    if hasattr(case.given, "todense") or np.shape(case.given) != np.shape(trial.values):
+        return None
+    given, ours = (np.asarray(x, dtype=float)[mask] for x in (case.given, trial.values))
+    return given, ours, trial.tolerance[mask]
+
+
+def _factor(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """A constant factor, with a name if it is a known one."""
+    if hasattr(case.given, "todense"):
+        given, ours = case.given[mask].tocsr(), trial.values.tocsr()[mask]
+        square = ours.multiply(ours).sum()
+        c = float(given.multiply(ours).sum() / square) if square > 0 else 1.0
+        error, scale = row_norm(given - c * ours), row_norm(ours)
+    else:
+        parts = _entries(case, trial, mask)
+        if parts is None:
+            return None
+        given, ours, _ = parts
+        square = float((ours**2).sum())
+        c = float((given * ours).sum() / square) if square > 0 else 1.0
+        error, scale = row_norm(given - c * ours), row_norm(ours)
+    if abs(c) < 1e-12 or abs(c - 1) < 1e-4 or not informative(trial, mask) or len(scale) < 4:
+        return None
+    if (error > abs(c) * (3 * trial.tolerance[mask] + RELATIVE * np.median(scale))).any():
+        return None
+    return Convention(f"times {_name_of_factor(case, c)}", "a constant factor", {})
+
+
+def _name_of_factor(case: Case, c: float) -> str:
+    name = _number(c)
+    if case.facts is None or not name.replace(".", "").replace("-", "").replace("e", "").isalnum():
+        return name
+    mesh = case.facts.mesh
+    known = {
+        "the area of the mesh": mesh.area, "the mean edge length h": mesh.mean_edge_length,
+        "h²": mesh.mean_edge_length**2, "the diagonal of the box": mesh.diagonal,
+        "the number of vertices": float(mesh.n_vertices), "the number of faces": float(mesh.n_faces),
+        "the area per vertex": mesh.area / mesh.n_vertices,
+    }  # fmt: skip
+    for text, value in known.items():
+        for power, form in ((1, "{}"), (-1, "1 / {}")):
+            for k in (1.0, 2.0, 0.5, -1.0):
+                if abs(c - k * value**power) < 3e-5 * abs(c):
+                    return form.format(text) if k == 1 else f"{_number(k)} times {form.format(text)}"
+    return name
+
+
+def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """A known field of the vertices as a factor, up to a constant."""
+    parts, facts = _entries(case, trial, mask), case.facts
+    if parts is None or facts is None or len(case.rows) != facts.n:
+        return None
+    given, ours, tolerance = parts
+    one, other = (x.reshape(len(x), -1) for x in (given, ours))
+    square = (other**2).sum(axis=1)
+    clear = square > (100 * tolerance) ** 2
+    if clear.sum() < max(4, 0.5 * len(clear)):
+        return None
+    ratio = (one * other).sum(axis=1)[clear] / square[clear]
+    off = row_norm(one[clear] - ratio[:, None] * other[clear])
+    if (off > 0.02 * row_norm(one[clear]) + 30 * tolerance[clear]).any():
+        return None
+    known: dict[str, Callable[[], Floats]] = {
+        "the barycentric area": lambda: facts.area("barycentric"),
+        "the mixed area": lambda: facts.area("mixed"),
+        "the degree": lambda: facts.degree,
+        "the angle sum": lambda: facts.angle_sum,
+        "the number of the vertex": lambda: np.arange(facts.n, dtype=float),
+        "the number of the vertex, from 1,": lambda: np.arange(1, facts.n + 1, dtype=float),
+        "the length of the position": lambda: np.linalg.norm(facts.points, axis=1),
+        "the sum of face areas": lambda: 3 * facts.area("barycentric"),
+    }
+    for name, make in known.items():
+        values = make()[mask][clear]
+        if not (values > 0).all() or np.ptp(values) < 1e-3 * values.mean():
+            continue
+        for power, form in ((1, "times {}"), (-1, "divided by {}"), (0.5, "times √ of {}"),
+                            (-0.5, "divided by √ of {}"), (2, "times {}, squared"),
+                            (-2, "divided by {}, squared")):  # fmt: skip
+            constant = ratio / values**power
+            if np.ptp(constant) < 1e-3 * abs(np.median(constant)):
+                c = float(np.median(constant))
+                more = "" if abs(c - 1) < 1e-4 else f" (and times {_number(c)})"
+                return Convention(form.format(name) + more, "a factor of its own at each vertex", {})
+    return None
+
+
+def _signs(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Right sizes with other signs."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim != 1 or case.what == "value":
+        return None
+    given, ours, tolerance = parts
+    wrong = np.abs(given - ours) > tolerance
+    clear = np.abs(ours) > 100 * tolerance
+    if (np.abs(np.abs(given) - np.abs(ours)) > 3 * tolerance).any() or clear.sum() < 4:
+        return None
+    text = f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
+    return Convention("right sizes with wrong signs", text, {})
+
+
+def _structure(case: Case, base: Trial) -> Iterator[Convention]:
+    """Orders, constants, whole numbers, values of single faces."""
+    parts = _entries(case, base, case.rows)
+    if parts is None:
+        return
+    given, ours, _ = parts
+    size = float(np.median(base.size)) or 1.0
+    rough = 1e-5 * np.abs(ours).max() + 1e-7 * size
+    if len(given) > 3 and np.ptp(given, axis=0).max() <= 1e-9 * max(size, np.abs(given).max()):
+        if np.abs(given).max() <= 1e-9 * size:
+            yield Convention("0 everywhere", "nothing was added, or an absolute threshold left out "
+                             "every triangle: scale the mesh to see it", {})  # fmt: skip
+        else:
+            yield Convention("the same value everywhere", "a sum over all faces instead of the incident "
+                             "ones, or a mean", {})  # fmt: skip
+    if case.per_corner is not None and case.facts is not None and given.ndim <= 2:
+        if case.rows.all() and _one_face(case, rough):
+            yield Convention("the value of one incident face", "assigned where it must be added: one "
+                             "face of each vertex, the last to be visited, wins", {})  # fmt: skip
+    order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (given, ours)]
+    if case.what == "vertex" and len(given) > 3 and np.ptp(ours, axis=0).max() > 100 * rough:
+        if (np.abs(given[order[0]] - ours[order[1]]) <= 3 * rough).all():
+            yield Convention("our values in another order", "vertices were merged, sorted or renumbered", {})
+    shift = np.median(given - ours, axis=0)
+    if (row_norm(given - ours - shift) <= 3 * rough).all():
+        text = ", ".join(f"{x:.6g}" for x in np.atleast_1d(shift))
+        yield Convention(f"plus a constant, {text}", "an offset: a centre, a mean or a start value", {})
+    if np.abs(given).max() > 0 and (np.abs(given * 6 - np.round(given * 6)) < 1e-6 * np.abs(given)).all():
+        if (np.abs(ours * 6 - np.round(ours * 6)) > 1e-3).any():
+            yield Convention("whole numbers (or thirds)", "indices or counts instead of measures: arguments "
+                             "in the wrong place, or integer division", {})  # fmt: skip
+
+
+def _one_face(case: Case, rough: float) -> bool:
+    """True if each value is that of one incident face."""
+    assert case.facts is not None
+    corners = case.per_corner(case.facts)
+    given = np.asarray(case.given, dtype=float).reshape(case.facts.n, -1)
+    distance = np.full(case.facts.n, np.inf)
+    near = row_norm((corners.reshape(-1, given.shape[1]) - given[case.facts.faces.reshape(-1)]))
+    np.minimum.at(distance, case.facts.faces.reshape(-1), near)
+    return bool((distance[case.facts.degree > 0] <= 3 * rough).all())
+
+
+def _places(case: Case, trials: list[Trial]) -> Report:
+    """Where the difference to the nearest formula begins."""
+
+    # Half of the values right outweighs any nearness of the others.
+    ranked = sorted(trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions)))
+    full = (whole(case, t) for t in ranked[:20])
+    best = next((t for t in full if informative(t, case.rows)), whole(case, ranked[0]))
+    near = f"nearest: {naming(best.conventions)}, right at {100 * best.good.mean():.0f} %"
+    correlation = ""
+    values, given = best.values, case.given
+    if not hasattr(values, "todense") and values.shape == np.shape(given) and case.rows.sum() > 2:
+        a, b = np.ravel(np.asarray(given)[case.rows]), np.ravel(values[case.rows])
+        if a.std() > 0 and b.std() > 0:
+            correlation = f", correlation {np.corrcoef(a, b)[0, 1]:.2f}"
+    table = [*case.table, ("nearest", near.removeprefix("nearest: ") + correlation)]
+    facts, wrong = case.facts, ~best.good
+    place = ""
+    if facts is not None and case.what == "vertex" and len(wrong) == facts.n and wrong.any() and not wrong.all():
+        place = _separating(facts.border, facts.corner_sizes, wrong)
+    found: tuple[Convention, ...] = ()
+    if place:
+        found = (Convention(f"wrong {place}", "elsewhere the nearest formula fits", {}),)
+    if best.good.mean() > 0.5:
+        wrong_words = f"wrong at {int(wrong.sum())} of {len(wrong)} {plural(case.what)}"
+        verdict = f"{wrong_words}, {place or 'at no particular place'}; {near}"
+    elif best.good.mean() > 0.1 or best.median < 0.1:
+        verdict = f"no known convention explains the difference ({near})"
+    else:
+        verdict = "no known convention explains the difference: the answer is near none of ours"
+    return measured(case, best, "unexplained", verdict, table, found)
+
+
+def plural(what: str) -> str:
+    return "vertices" if what == "vertex" else f"{what}s"
+
+
+def _separating(border: Bools, sizes: dict[str, Floats], wrong: Bools) -> str:
+    """The property that separates the wrong vertices from the right ones."""
+    if not (wrong & ~border).any():
+        return "at the border only"
+    for name, values in sizes.items():
+        in_degrees = np.rad2deg(values) if name.endswith("angle") else values
+        low, high = in_degrees[wrong], in_degrees[~wrong]
+        if low.max() < high.min():
+            return f"where the {name} is at most {low.max():.3g}"
+        if low.min() > high.max():
+            return f"where the {name} is at least {low.min():.3g}"
+    irregular = ~border & (sizes["valence"] != 6)
+    if irregular.any() and not (wrong & ~irregular & ~border).any():
+        return "where the valence is not 6, and at the border" if (wrong & border).any() else (
+            "where the valence is not 6"
+        )  # fmt: skip
+    return ""
