@@ -121,8 +121,11 @@ def _quotient(case: Case, report: Report) -> Report:
     for edge in (np.pi, 2 * np.pi):
         defect, size = _pointwise.gaussian_curvature(case.facts, edge=edge, measure="integrated")
         clear = case.rows & (np.abs(defect) > 1e-5 * size)
+        ranks = [np.argsort(np.argsort(x)) for x in (np.abs(defect[clear]), np.abs(case.given[clear] / defect[clear]))]
+        if clear.sum() < 9 or abs(np.corrcoef(*ranks)[0, 1]) > 0.5:
+            continue
         same_signs = (np.sign(case.given[clear]) == np.sign(defect[clear])).all()
-        if clear.sum() > 8 and same_signs and np.ptp(np.sign(defect[clear])) > 0:
+        if same_signs and np.ptp(np.sign(defect[clear])) > 0:
             found = Convention("wrong area", "the angle defect has the right sign everywhere, the area that "
                                "divides it is none of the known ones", {})  # fmt: skip
             return Report(case.quantity, "mistake", "mistake: wrong area under the right angle defect",
@@ -152,7 +155,7 @@ def principal_curvatures(mesh: Mesh, kappa: Any) -> Report:
         for words, change in (("", {}), (" (H the length)", {"read": "length"}),
                               (" (H of dihedral angles)", {"weights": "dihedral", "factor": 2.0})):
             for area in ("mixed", "voronoi", "barycentric"):
-                H = _pointwise.mean_curvature(facts, area=area, **change)[0]  # type: ignore[arg-type]
+                H = _pointwise.mean_curvature(facts, area=area, **change)[0]
                 K = _pointwise.gaussian_curvature(facts, area=area)[0]
                 case.masks[f"where H² < K{words}{', ' + area if area != 'mixed' else ''}"] = H**2 < K
     return judge(case)
@@ -259,7 +262,7 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
     masses = _inputs.loaded(M, "M")
     masses = masses.diagonal() if masses.shape == (facts.n, facts.n) else _inputs.scalars(masses, mesh, "M")
     report = judge(case)
-    rows = (("L", report.verdict), ("M", of_mass.verdict))
+    rows: tuple[tuple[str, str], ...] = (("L", report.verdict), ("M", of_mass.verdict))
     if of_mass.quantity == "mass M" and np.isfinite(masses).all() and (masses != 0).all():
         quotient = Case(name, facts.diagonal(1 / masses) @ matrix, facts,
                         partial(formula, scaled="left", area="barycentric"), _operators.OPERATOR)
@@ -446,7 +449,7 @@ def smoothed(
     if not case.pairs:
         case.table.append(("pairs", "not tried: the mesh is large"))
     report = judge(case)
-    return _flows.other_step(case, report) if report.status == "unexplained" else report
+    return _flows.other_step(case, report, method) if report.status == "unexplained" else report
 
 
 def heat(mesh: Mesh, temperatures: Any, start: npt.ArrayLike, time: float) -> Report:

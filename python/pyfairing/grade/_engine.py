@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -47,9 +47,17 @@ class Case:
     masks: dict[str, Bools] = field(default_factory=dict)
     per_corner: Any = None
     rows: Bools = field(init=False)
+    wild: Bools = field(init=False)
 
     def __post_init__(self) -> None:
         self.rows = finite_rows(self.given)
+        size = row_norm(self.given)
+        # Memory that was never set holds numbers of any size.
+        self.wild = self.rows & (size > 1e9 * np.median(size[self.rows]) if self.rows.any() else self.rows)
+        if self.wild.any() and np.median(size[self.rows]) > 0:
+            self.rows &= ~self.wild
+        else:
+            self.wild = np.zeros_like(self.rows)
 
 
 @dataclass
@@ -74,7 +82,7 @@ def row_norm(values: Any) -> Floats:
     if hasattr(values, "tocsr"):
         return np.asarray(abs(values).max(axis=1).toarray()).reshape(-1)
     if values.ndim == 1:
-        return np.abs(values)
+        return np.asarray(np.abs(values))
     if values.ndim == 2 and values.shape[1] > 6:
         return np.asarray(np.abs(values).max(axis=1))
     return np.asarray(np.sqrt((values**2).sum(axis=1)))
@@ -83,7 +91,7 @@ def row_norm(values: Any) -> Floats:
 def finite_rows(values: Any) -> Bools:
     if hasattr(values, "tocsr"):
         with np.errstate(invalid="ignore"):
-            return np.isfinite(np.asarray(values.sum(axis=1))).reshape(-1)
+            return np.asarray(np.isfinite(np.asarray(values.sum(axis=1)))).reshape(-1)
     return np.asarray(np.isfinite(values).reshape(len(values), -1).all(axis=1))
 
 
@@ -124,7 +132,11 @@ def combined(case: Case, count: int) -> Iterator[Trial]:
     """All combinations of so many conventions; pairs that do not fit keep no values."""
     closed = case.facts is not None and not case.facts.border.any()
     tried = [c for c in case.conventions if not (closed and "border" in c.change)]
-    for conventions in combinations(tried, count):
+    beside = [()] + [(c,) for c in tried if c.base] if count > 1 else [()]
+    for base, chosen in product(beside, combinations(tried, count)):
+        if base and base[0] in chosen:
+            continue
+        conventions = base + chosen
         trial = attempt(case, conventions)
         if trial is None:
             continue
@@ -188,7 +200,8 @@ def explained(case: Case, fits: list[Trial], more: str = "") -> Report:
 
         found = undefined(case)
         return measured(
-            case, best, "mistake", f"mistake: {found.name}; elsewhere {said(best)}{more}", table, (found,)
+            case, best, "mistake", f"mistake: {found.name} ({found.where}); elsewhere {said(best)}{more}", table,
+            (found,),
         )
     return measured(case, best, status(best), said(best) + more, table)
 

@@ -90,9 +90,9 @@ def _step(operator: Csr, method: str, length: float, order: str, border: str, fa
 def _adjusted(facts: Facts, x: Floats, after: str) -> Floats:
     """The positions after a step, centred or scaled."""
     if after == "centred at the mean":
-        return x - x.mean(axis=0)
+        return np.asarray(x - x.mean(axis=0))
     if after == "mean kept":
-        return x - x.mean(axis=0) + facts.points.mean(axis=0)
+        return np.asarray(x - x.mean(axis=0) + facts.points.mean(axis=0))
     if after in ("volume about the origin", "volume about the mean"):
         ratio = abs(volume(facts, facts.points) / volume(facts, x)) ** (1 / 3)
         middle = x.mean(axis=0) if after.endswith("mean") else np.zeros(3)
@@ -210,8 +210,8 @@ def poisson(
     m, s = facts.area(area), facts.stiffness(weights)
     average = float((m * f).sum() / m.sum()) if mean == "area" else float(f.mean())
     b = (f - average) * (m if right == "mass" else 1.0)
-    # A constant right-hand side has no solution: its mean by area is dropped.
-    column = m[:, None] if right == "mass" else np.ones((facts.n, 1))
+    # A constant right-hand side has no solution: its mean is dropped.
+    column = np.ones((facts.n, 1))
     values = spsolve(bmat([[s, column], [column.T, None]]).tocsc(), np.append(b, 0.0))[: facts.n]
     values = values - {"mean": (m * values).sum() / m.sum(), "count": values.mean(),
                        "least": values.min(), "first": values[0]}[shift]  # fmt: skip
@@ -234,7 +234,7 @@ POISSON = (
 )  # fmt: skip
 
 
-def other_step(case: Case, report: Report) -> Report:
+def other_step(case: Case, report: Report, asked: str) -> Report:
     """The report on an answer that another λ explains."""
     def trial(log: float, method: str) -> Trial | None:
         try:
@@ -260,6 +260,6 @@ def other_step(case: Case, report: Report) -> Report:
         if best is not None and (best.error <= 30 * best.tolerance)[case.rows].all():
             c = float(np.exp((low + high) / 2))
             found = slip(f"λ times {c:.5g}", "the step, or a factor of the operator")
-            other = "" if method == case.formula.keywords["method"] else f"{method} steps with "
+            other = "" if method == asked else f"{method} steps with "
             return measured(case, best, "mistake", f"mistake: {other}{found.name}", case.table, (found,))
     return report

@@ -46,7 +46,8 @@ def forms(
     if at == "pole":
         second = surface.second_form(u, np.full_like(v, 1e-6)) * [0.0, 0.0, 1.0]
     root = np.sqrt(np.maximum(first[:, 0] * first[:, 2] - first[:, 1] ** 2, 0))[:, None]
-    second = sign * second * {"unit": 1.0, "cross product": root, "squared": 1 / root}[normal]
+    powers = {"unit": 0, "cross product": 1, "squared": -1}
+    second = sign * second * root ** powers[normal]
     first, second = first * [1, middle, 1], second * [1, middle, 1]
     if swap in ("first", "both"):
         first = first[:, ::-1]

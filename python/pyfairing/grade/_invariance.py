@@ -11,7 +11,7 @@ import numpy as np
 from .._arrays import Floats
 from .._mesh import Mesh
 from ._engine import RELATIVE, row_norm
-from ._report import Convention, Report
+from ._report import Convention, Report, Status
 
 _TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 
@@ -97,7 +97,7 @@ def check(
             return Report(own.quantity, own.status, own.verdict, tuple(found), own.largest, own.rms,
                           own.tolerance, own.vertex, tuple(rows))  # fmt: skip
         verdict = "right: the answer does not depend on order, numbers, place, axes or unit"
-    status = "mistake" if verdict.startswith("mistake") else "right"
+    status: Status = "mistake" if verdict.startswith("mistake") else "right"
     return Report("a function", status, verdict, tuple(found), table=tuple(rows))
 
 

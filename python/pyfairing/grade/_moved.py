@@ -135,7 +135,7 @@ def noise(
     if spread.any() and flat < 2.2:
         found.append(Convention("uniform, not Gaussian", "the distribution", {}))
     candidates = {
-        "": np.ones(3), "σ² for σ": np.full(3, wanted), "√σ for σ": np.full(3, wanted**-0.5),
+        "": np.ones(3), "σ² for σ": np.full(3, wanted),
         "σ times the diagonal": np.full(3, mesh.diagonal), "σ times the extent of each axis": extent,
         "σ times the mean edge length": np.full(3, mesh.mean_edge_length), "2σ": np.full(3, 2.0),
         "σ in hundredths of the extent of each axis": extent / 100, "σ/2": np.full(3, 0.5),

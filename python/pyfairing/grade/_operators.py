@@ -9,7 +9,7 @@ import numpy as np
 from .._arrays import Csr, Floats
 from ._engine import Answer, row_norm
 from ._facts import Facts
-from ._pointwise import AREAS, WEIGHTS, slip, usual
+from ._pointwise import AREAS, WEIGHTS, common, slip, usual
 from ._report import Convention
 
 
@@ -85,8 +85,12 @@ def _of_weights(facts: Facts, matrix: Csr, factors: Floats) -> Csr:
 
 
 OPERATOR: tuple[Convention, ...] = (
-    usual("the other sign", "semi-definite the other way: S or -S, Δ = -M⁻¹ S", factor=-1.0),
-    usual("rows divided by the area", "M⁻¹ S in place of S", scaled="left"),
+    common("the other sign", "semi-definite the other way: S or -S, Δ = -M⁻¹ S", factor=-1.0),
+    common("rows divided by the area", "M⁻¹ S in place of S", scaled="left"),
+    usual("uniform Laplacian D⁻¹A - I", "equal weights in place of cotangents", weights="uniform",
+          scaled="own", sign=-1.0),
+    usual("cotangent Laplacian S", "cotangents in place of equal weights", weights="cotangent",
+          scaled="no", sign=1.0),
     usual("rows divided by the diagonal", "weights divided by their sum", scaled="own"),
     usual("rows times the degree", "D - W in place of I - D⁻¹ W", scaled="no"),
     usual("symmetric form", "M^-½ S M^-½", scaled="symmetric"),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
 from .._arrays import Bools, Floats
 from ._engine import RELATIVE, Case, Trial, informative, measured, naming, row_norm, whole
-from ._report import Convention, Report
+from ._report import Convention, Report, Status
 
 _FRACTIONS = {
     2.0: "2", 0.5: "1/2", 3.0: "3", 1 / 3: "1/3", 4.0: "4", 0.25: "1/4", 6.0: "6", 1 / 6: "1/6",
@@ -21,6 +22,9 @@ _FRACTIONS = {
 def undefined(case: Case) -> Convention:
     """The pattern of the values that are NaN."""
     bad = ~case.rows
+    if case.wild.any():
+        count = f"{int(case.wild.sum())} {plural(case.what)}, first at {int(case.wild.argmax())}"
+        return Convention(f"values without measure at {count}", "memory that was never set to 0", {})
     masks: dict[str, tuple[Bools, str]] = {}
     facts = case.facts
     if facts is not None and len(bad) == facts.n:
@@ -82,15 +86,22 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
             rows.append((" inside; the border differs, too", inner))
     simple = [t for t in trials if len(t.conventions) < 2]
     base = simple[0] if simple else None
+    near = [t for t in simple if all(c.note or c.base for c in t.conventions)]
     for words, mask in rows:
-        for trial in simple:
-            for test in (_factor, _field, _signs):
-                found = test(case, trial, mask)
-                if found is None:
-                    continue
-                names = f"{naming(trial.conventions)} and " if trial.conventions else ""
-                text = f"mistake: {names}{found.name}{words}"
-                return measured(case, trial, "mistake", text, case.table, (found,))
+        for tests, tried in (
+            ((_factor, _field, _signs), simple),
+            ((_rounded, _clipped, _rolled, _affine, _monotone, _columns, _directions, _entries_of), near),
+        ):
+            for trial in tried:
+                for test in tests:
+                    found = test(case, trial, mask)
+                    if found is None:
+                        continue
+                    names = f"{naming(trial.conventions)} and " if trial.conventions else ""
+                    kind: Status = "mistake" if found.fault or trial.faults or words else "convention"
+                    start = "mistake" if kind == "mistake" else "right by another convention"
+                    text = f"{start}: {names}{found.name} ({found.where}){words}"
+                    return measured(case, trial, kind, text, case.table, (found,))
     if base is None:
         return Report(case.quantity, "unexplained", "no formula applies to this mesh")
     for found in _structure(case, base):
@@ -131,7 +142,7 @@ def _factor(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         error, scale = row_norm(given - c * ours), row_norm(ours)
     if abs(c) < 1e-12 or abs(c - 1) < 1e-4 or not informative(trial, mask) or len(scale) < 4:
         return None
-    if (error > abs(c) * (3 * trial.tolerance[mask] + RELATIVE * np.median(scale))).any():
+    if not (error <= 3 * RELATIVE * abs(c) * (scale + np.median(scale))).all():
         return None
     return Convention(f"times {_name_of_factor(case, c)}", "a constant factor", {})
 
@@ -168,7 +179,7 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     ratio = (one * other).sum(axis=1)[clear] / square[clear]
     off = row_norm(one[clear] - ratio[:, None] * other[clear])
-    if (off > 0.02 * row_norm(one[clear]) + 30 * tolerance[clear]).any():
+    if not (off <= 0.02 * row_norm(one[clear]) + 30 * tolerance[clear]).all():
         return None
     known: dict[str, Callable[[], Floats]] = {
         "the barycentric area": lambda: facts.area("barycentric"),
@@ -178,7 +189,8 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         "the number of the vertex": lambda: np.arange(facts.n, dtype=float),
         "the number of the vertex, from 1,": lambda: np.arange(1, facts.n + 1, dtype=float),
         "the length of the position": lambda: np.linalg.norm(facts.points, axis=1),
-        "the sum of face areas": lambda: 3 * facts.area("barycentric"),
+        "the length of the normal": lambda: row_norm(facts.normal_sum("area")),
+        "the sum of the cotangents": lambda: facts.stiffness().diagonal(),
     }
     for name, make in known.items():
         values = make()[mask][clear]
@@ -203,10 +215,148 @@ def _signs(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     given, ours, tolerance = parts
     wrong = np.abs(given - ours) > tolerance
     clear = np.abs(ours) > 100 * tolerance
-    if (np.abs(np.abs(given) - np.abs(ours)) > 3 * tolerance).any() or clear.sum() < 4:
+    if not (np.abs(np.abs(given) - np.abs(ours)) <= 3 * tolerance).all() or clear.sum() < 4:
         return None
+    if (given >= 0).all():
+        return Convention("absolute value", "the sign is dropped", {})
     text = f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
     return Convention("right sizes with wrong signs", text, {})
+
+
+def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Ours, rounded to decimals."""
+    parts = _entries(case, trial, mask)
+    if parts is None:
+        return None
+    for digits in range(7):
+        step = 10.0**-digits
+        whole_steps = (np.abs(parts[0] / step - np.round(parts[0] / step)) < 1e-6 * (1 + np.abs(parts[0] / step))).all()
+        if whole_steps and (np.abs(parts[0] - parts[1]) <= 1.01 * step).all():
+            if np.abs(parts[1]).max() > step:
+                return Convention(f"rounded to {digits} decimals", "the file, or integers", {}, digits < 2)
+    return None
+
+
+def _clipped(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Ours, cut at the ends."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim > 1 or case.what != "vertex":
+        return None
+    given, ours, tolerance = parts
+    low, high = given.min(), given.max()
+    cut = np.abs(np.clip(ours, low, high) - given) <= tolerance
+    if cut.all() and low < high and 0.2 < ((ours > low) & (ours < high)).mean():
+        return Convention(f"cut off at {low:.4g} and {high:.4g}", "values clipped for a picture", {})
+    return None
+
+
+def _rolled(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Ours at the next vertex."""
+    given, ours = case.given, trial.values
+    if hasattr(given, "todense") or given.shape != ours.shape or case.what != "vertex" or not mask.all():
+        return None
+    for shift, words in ((1, "later"), (-1, "earlier")):
+        moved = np.roll(ours, shift, axis=0)
+        if (row_norm(given - moved) <= np.roll(trial.tolerance, shift))[2:-2].all() and np.ptp(ours) > 0:
+            return Convention(f"moved by one vertex, {words}", "indices from 1, or a line skipped", {})
+    return None
+
+
+def _affine(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """A linear function of ours."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim > 1 or len(parts[0]) < 6 or case.what != "vertex":
+        return None
+    given, ours, _ = parts
+    a, b = np.polyfit(ours, given, 1) if np.ptp(ours) > 0 else (0.0, 0.0)
+    spread = np.ptp(given)
+    if a == 0 or spread == 0 or not (np.abs(a * ours + b - given) <= 3 * RELATIVE * spread).all():
+        return None
+    if abs(a - 1) < 1e-4:
+        return Convention(f"plus a constant, {b:.6g}", "an offset", {})
+    ends = (round(float(given.min()), 6), round(float(given.max()), 6))
+    return Convention(f"scaled to [{ends[0]:g}, {ends[1]:g}]", f"{a:.4g} times ours plus {b:.4g}: normalised for a "
+                      "picture", {})  # fmt: skip
+
+
+def _monotone(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """A monotone function of ours."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim > 1 or len(parts[0]) < 10 or case.what != "vertex":
+        return None
+    given, ours, tolerance = parts
+    order = np.argsort(ours)
+    steps, gaps = np.diff(given[order]), np.diff(ours[order]) > 4 * tolerance[order][1:]
+    spread = np.ptp(given)
+    if gaps.sum() < 8 or spread == 0 or len(np.unique(given)) < 5:
+        return None
+    for sign, words in ((1, "rising"), (-1, "falling")):
+        if (sign * steps >= -1e-9 * spread)[gaps].all():
+            return Convention(f"a {words} function of ours", "a logarithm, a root, an equalised histogram or colours", {})
+    return None
+
+
+def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Some coordinates right, or in another order."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3:
+        return None
+    given, ours, tolerance = parts
+    good = [(np.abs(given[:, k] - ours[:, k]) <= tolerance).all() for k in range(3)]
+    if any(good) and not all(good):
+        names = "xyz"
+        wrong = " and ".join(names[k] for k in range(3) if not good[k])
+        still = case.facts is not None and case.facts.points.shape == case.given.shape and all(
+            np.abs(given[:, k] - case.facts.points[mask][:, k]).max() <= tolerance.max()
+            for k in range(3) if not good[k]
+        )  # fmt: skip
+        return Convention(f"wrong in {wrong} alone", "a coordinate is not moved" if still else "one coordinate", {})
+    for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
+        for flip in (1.0, -1.0):
+            turned = ours[:, list(order)] * [1.0, flip, 1.0]
+            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(trial, mask):
+                return Convention(f"axes in the order {''.join('xyz'[k] for k in order)}", "a file of another tool", {})
+    return None
+
+
+def _directions(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Vectors of the right direction, with other lengths or signs."""
+    parts = _entries(case, trial, mask)
+    if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3 or case.quantity != "vertex normals":
+        return None
+    given, ours, _ = parts
+    lengths = row_norm(given)
+    if (lengths == 0).any():
+        return None
+    cosines = (given * ours).sum(axis=1) / lengths / np.maximum(row_norm(ours), 1e-300)
+    if not (np.abs(np.abs(cosines) - 1) < 1e-8).all():
+        return None
+    if (cosines > 0).all() or (cosines < 0).all():
+        return Convention("right directions, other lengths", "not normalised", {})
+    return Convention("some normals inward", f"{int((cosines < 0).sum())} of {len(cosines)}: not oriented by the faces", {})
+
+
+def _entries_of(case: Case, trial: Trial, mask: Bools) -> Convention | None:
+    """Matrices of which a part is right."""
+    given, ours = case.given, trial.values
+    if not hasattr(given, "todense") or not mask.all():
+        return None
+    from scipy.sparse import diags, tril, triu
+
+    def close(a: Any, b: Any) -> bool:
+        return bool((row_norm((a - b).tocsr()) <= trial.tolerance).all())
+
+    for name, part in (("upper", triu), ("lower", tril)):
+        if close(given, part(ours)):
+            return Convention(f"{name} triangle only", "each edge is entered once, not for both vertices", {})
+    if close(given, ours.T.tocsr()):
+        return Convention("transposed", "rows and columns are exchanged", {})
+    own, theirs = ours.diagonal(), given.diagonal()
+    if close(given - diags(theirs), ours - diags(own)):
+        known = {"the degree": case.facts.degree, "minus the degree": -case.facts.degree} if case.facts else {}
+        name = next((n for n, d in known.items() if np.abs(theirs - d).max() < 1e-9), "other values")
+        return Convention(f"right but for the diagonal, which has {name}", "the diagonal is the row sum", {})
+    return None
 
 
 def _structure(case: Case, base: Trial) -> Iterator[Convention]:

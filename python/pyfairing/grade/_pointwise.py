@@ -22,6 +22,11 @@ def same(name: str, where: str, **change: object) -> Convention:
     return Convention(name, where, change, fault=False, note=True)
 
 
+def common(name: str, where: str, **change: object) -> Convention:
+    """A convention of textbooks that many follow: pairs of others are tried beside it."""
+    return Convention(name, where, change, fault=False, base=True)
+
+
 def slip(name: str, where: str, **change: object) -> Convention:
     """A mistake."""
     return Convention(name, where, change)
@@ -120,11 +125,12 @@ def _read(facts: Facts, vector: Floats, read: str, normal: str) -> Floats:
     """A number from the mean curvature vector."""
     sums = facts.normal_sum(normal)
     n = sums / np.maximum(np.linalg.norm(sums, axis=1), 1e-300)[:, None]
-    along, length = (vector * n).sum(axis=1), row_norm(vector)
+    along: Floats = (vector * n).sum(axis=1)
+    length = row_norm(vector)
     if read == "part":
         return along
     if read == "absolute":
-        return np.abs(along)
+        return np.asarray(np.abs(along))
     if read == "length":
         return length
     if read == "signed":
@@ -175,12 +181,12 @@ WEIGHTS = (
 )  # fmt: skip
 
 MEAN = (
-    same("length of the vector, with the sign of its part along the normal", "‖½ M⁻¹ S x‖ in place of a "
-         "scalar product", read="signed"),
+    Convention("length of the vector, with the sign of its part along the normal", "‖½ M⁻¹ S x‖ in place of "
+               "a scalar product", {"read": "signed"}, fault=False, note=True, base=True),
     same("length of the vector, with a sign by the mean of the neighbours", "normal · (mean - vertex)",
          read="uniform sign"),
     same("part along the angle-weighted normal", "the weights of the normal", normal="angle"),
-    usual("length of the vector, without sign", "‖½ M⁻¹ S x‖ ≥ 0 in place of the part along the normal",
+    common("length of the vector, without sign", "‖½ M⁻¹ S x‖ ≥ 0 in place of the part along the normal",
           read="length"),
     usual("part along the equally weighted normal", "the weights of the normal", normal="uniform"),
     usual("absolute value", "the sign of the part along the normal is dropped", read="absolute"),
@@ -236,7 +242,7 @@ def gaussian_curvature(
 
 
 GAUSSIAN = (
-    usual("2π at the border, too", "the full angle: π is the one of a border vertex", edge=2 * np.pi),
+    common("2π at the border, too", "the full angle: π is the one of a border vertex", edge=2 * np.pi),
     usual("integrated instead of pointwise", "the angle defect is not divided by the area",
           measure="integrated"),
     slip("π everywhere", "the full angle: the test for the border is always true", full=np.pi),

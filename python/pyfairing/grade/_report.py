@@ -26,6 +26,8 @@ class Convention:
         False for conventions that textbooks use, True for mistakes.
     note : bool
         True for variants that are the standard answer as much as ours.
+    base : bool
+        True for the commonest, beside which pairs of others are tried.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Convention:
     change: dict[str, object]
     fault: bool = True
     note: bool = False
+    base: bool = False
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from .._arrays import Floats
 from ._engine import Answer
 from ._facts import Facts
-from ._pointwise import same, slip, usual
+from ._pointwise import common, same, slip, usual
 from ._report import Convention
 
 #: Largest number of vertices for dense eigenvalue problems of variants.
@@ -98,7 +98,7 @@ PROBLEM = (
 )  # fmt: skip
 
 EIGENVALUES = (
-    usual("the other sign, eigenvalues of Δ", "the sign of the operator", factor=-1.0),
+    common("the other sign, eigenvalues of Δ", "the sign of the operator", factor=-1.0),
     usual("descending", "the order", order="descending"),
     usual("not sorted", "the order", order="as given"),
     usual("without the eigenvalue 0", "the list begins with the second", first=1),
