@@ -279,7 +279,7 @@ MASS: list[Case] = [
     ("mixed", lambda s: s.mixed(), "convention", "mixed"),
     ("circumcentric", lambda s: s.circumcentric(), "convention", "circumcentric"),
     ("two thirds", lambda s: 2 * s.barycentric(), "convention", "two thirds"),
-    ("one sixth", lambda s: s.barycentric() / 2, "convention", "one sixth"),
+    ("one sixth", lambda s: s.barycentric() / 2, "mistake", "one sixth"),
     ("consistent", lambda s: s.mesh.laplacian("uniform", "consistent").mass, "right", ""),
     ("last face", lambda s: last(s, lambda t: s.triangle(*t) / 3, ()), "mistake", "last face"),
     ("visited in another order", lambda s: last_shuffled(s), "mistake", "one incident face"),

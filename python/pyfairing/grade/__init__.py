@@ -121,8 +121,8 @@ def _quotient(case: Case, report: Report) -> Report:
     for edge in (np.pi, 2 * np.pi):
         defect, size = _pointwise.gaussian_curvature(case.facts, edge=edge, measure="integrated")
         clear = case.rows & (np.abs(defect) > 1e-5 * size)
-        ranks = [np.argsort(np.argsort(x)) for x in (np.abs(defect[clear]), np.abs(case.given[clear] / defect[clear]))]
-        if clear.sum() < 9 or abs(np.corrcoef(*ranks)[0, 1]) > 0.5:
+        first, second = (np.argsort(np.argsort(np.abs(x[clear]))) for x in (defect, case.given / defect))
+        if clear.sum() < 9 or abs(np.corrcoef(first, second)[0, 1]) > 0.5:
             continue
         same_signs = (np.sign(case.given[clear]) == np.sign(defect[clear])).all()
         if same_signs and np.ptp(np.sign(defect[clear])) > 0:
@@ -445,11 +445,11 @@ def smoothed(
     border = "pinned" if boundary == "pinned" else "free"
     formula = partial(_flows.smoothed, lam=length, method=method, weights=weights, iterations=count, border=border)
     name = f"{method} smoothing, {count} steps, {weights} weights"
-    case = Case(name, given, facts, formula, _flows.SMOOTHED, pairs=facts.n * count <= 250_000)
+    case = Case(name, given, facts, formula, _flows.SMOOTHED, pairs=facts.n * count <= 250_000,
+                hook=lambda case: _flows.other_step(case, method))  # fmt: skip
     if not case.pairs:
         case.table.append(("pairs", "not tried: the mesh is large"))
-    report = judge(case)
-    return _flows.other_step(case, report, method) if report.status == "unexplained" else report
+    return judge(case)
 
 
 def heat(mesh: Mesh, temperatures: Any, start: npt.ArrayLike, time: float) -> Report:

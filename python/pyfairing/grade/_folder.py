@@ -81,8 +81,8 @@ def judges(options: Options) -> dict[str, Judge]:
         "q2": forms,
         "q3": mean_curvature,
         "q4": partial(_with_k, options.k),
-        "q5": lambda mesh, source: smoothed(mesh, source, "explicit", **steps),  # type: ignore[arg-type]
-        "q6": lambda mesh, source: smoothed(mesh, source, "implicit", **steps),  # type: ignore[arg-type]
+        "q5": lambda mesh, source: smoothed(mesh, source, "explicit", **steps),
+        "q6": lambda mesh, source: smoothed(mesh, source, "implicit", **steps),
         "q7": truth,
         "mean": lambda mesh, source: mean_curvature(mesh, source, options.weights or "cotangent"),  # type: ignore[arg-type]
         "gaussian": gaussian_curvature,

@@ -303,7 +303,7 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     given, ours, tolerance = parts
     good = [(np.abs(given[:, k] - ours[:, k]) <= tolerance).all() for k in range(3)]
-    if any(good) and not all(good):
+    if any(g and np.ptp(x) > 0 for g, x in zip(good, ours.T)) and not all(good):
         names = "xyz"
         wrong = " and ".join(names[k] for k in range(3) if not good[k])
         still = case.facts is not None and case.facts.points.shape == case.given.shape and all(

@@ -39,8 +39,6 @@ AREAS = (
     usual("mixed areas", "circumcentric areas with the rule for obtuse triangles", area="mixed"),
     usual("circumcentric (Voronoi) areas", "circumcentres also in obtuse triangles", area="voronoi"),
     slip("areas of whole faces", "the third is missing in the area", area="barycentric", area_factor=3.0),
-    slip("one sixth of the faces", "half the area of a face is taken twice", area="barycentric",
-         area_factor=0.5),
     usual("two thirds of the faces", "the parallelogram of a face in place of its area",
           area="barycentric", area_factor=2.0),
     slip("circumcentric areas of absolute cotangents", "the cotangent of an obtuse angle loses its sign",
@@ -337,7 +335,7 @@ MASS = (
     slip("roots of areas", "√A in place of A", power=0.5),
     usual("areas that sum to 1", "normalised", total="one"),
     usual("areas with mean 1", "normalised", total="n"),
-    usual("areas of one sixth", "half of the third", area_factor=0.5),
+    slip("one sixth of the faces", "half of the third", area_factor=0.5),
 )  # fmt: skip
 
 
