@@ -19,8 +19,8 @@ from .._core import FairingError
 from ._facts import Facts
 from ._report import Convention, Report, Status
 
-#: Values, and a size of each row whose rounding is tolerated.
-Answer: TypeAlias = "tuple[Any, Any]"
+#: Values, a size of each row whose rounding is tolerated, and the rows whose sign is rounding.
+Answer: TypeAlias = "tuple[Any, ...]"
 Formula: TypeAlias = Callable[..., Answer]
 
 #: Tolerances: of the value itself (six digits in text files), and of the terms that it sums.
@@ -107,18 +107,24 @@ def attempt(case: Case, conventions: tuple[Convention, ...]) -> Trial | None:
                 change[name] = value
     try:
         with np.errstate(all="ignore"):
-            values, size = case.formula(case.facts, **change)
+            values, size, *free = case.formula(case.facts, **change)
     except (FairingError, ValueError, ArithmeticError, np.linalg.LinAlgError, RuntimeError):
         return None
-    return compared(case, conventions, values, size)
+    return compared(case, conventions, values, size, *free)
 
 
-def compared(case: Case, conventions: tuple[Convention, ...], values: Any, size: Any) -> Trial:
+def compared(
+    case: Case, conventions: tuple[Convention, ...], values: Any, size: Any, free: Bools | None = None
+) -> Trial:
     with np.errstate(all="ignore"):
         if hasattr(values, "tocsr") or values.ndim < 2:
             difference = row_norm(case.given - values)
         else:
             difference = row_norm(np.asarray(case.given) - values)
+        if free is not None:
+            sizes = np.abs(case.given)
+            unsigned = np.minimum(np.abs(sizes - np.abs(values)), sizes)
+            difference = np.where(free, unsigned, difference)
         tolerance = RELATIVE * row_norm(values) + ROUNDING * np.abs(size)
         good = (difference <= tolerance) & np.isfinite(tolerance)
         own = row_norm(values)
@@ -155,8 +161,8 @@ def whole(case: Case, trial: Trial) -> Trial:
 
 def exclude_wild(case: Case) -> None:
     """Leaves out values beyond all measure: memory that was never set holds numbers of any size."""
-    base = attempt(case, ())
-    if base is None or not case.rows.any():
+    base = attempt(case, ()) if case.rows.any() else None
+    if base is None:
         return
     size = row_norm(case.given)
     scale = max(float(np.median(size[case.rows])), float(np.median(base.size)))

@@ -176,6 +176,8 @@ class Facts:
             return self.weighted(np.tan(self.angles) / 2)
         if weights == "swapped":
             return self.weighted(np.roll(self.cotangents, 1, axis=1) / 2)
+        if weights == "ends":
+            return self.weighted((np.roll(self.cotangents, 1, axis=1) + np.roll(self.cotangents, 2, axis=1)) / 2)
         if weights == "one side":
             return self.with_row_sums(self._one_side())
         if weights == "lengths":
@@ -254,8 +256,9 @@ class Facts:
             corners[:, 1] = outer
         elif kind == "outer all":
             corners = np.repeat(outer[:, None], 3, axis=1)
-        elif kind == "none":
-            return np.ones(self.n)
+        elif kind == "mean":
+            counts = np.asarray(self.by_faces.sum(axis=1)).reshape(-1) / 2
+            return 3 * self.area("barycentric") / np.maximum(counts, 1)
         elif kind == "degree":
             return self.degree
         else:
@@ -280,6 +283,7 @@ class Facts:
             # Max 1999: sin over the lengths of both sides, exact on spheres.
             "sphere": np.sin(self.angles) / ends,
             "inverse lengths": 1 / ends,
+            "squared area": np.repeat(self.face_areas[:, None] ** 2, 3, axis=1),
             "inverse area": np.repeat(1 / self.face_areas[:, None], 3, axis=1),
         }
         if weight in factors:

@@ -239,7 +239,7 @@ def other_step(case: Case, asked: str) -> Report | None:
     def trial(log: float, method: str) -> Trial | None:
         try:
             with np.errstate(all="ignore"):
-                values, size = case.formula(case.facts, step=float(np.exp(log)), method=method)
+                values, size, *_ = case.formula(case.facts, step=float(np.exp(log)), method=method)
         except (ArithmeticError, RuntimeError, ValueError):
             return None
         return compared(case, (), values, size)

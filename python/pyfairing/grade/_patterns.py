@@ -179,7 +179,8 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     ratio = (one * other).sum(axis=1)[clear] / square[clear]
     off = row_norm(one[clear] - ratio[:, None] * other[clear])
-    if not (off <= 0.02 * row_norm(one[clear]) + 30 * tolerance[clear]).all():
+    absent = (row_norm(one) > 100 * tolerance) & ~clear & (square == 0)
+    if absent.any() or not (off <= 1e-4 * row_norm(one[clear]) + 30 * tolerance[clear]).all():
         return None
     known: dict[str, Callable[[], Floats]] = {
         "the barycentric area": lambda: facts.area("barycentric"),

@@ -53,6 +53,7 @@ AREAS = (
          area="components"),
     slip("absolute components of the cross product summed", "|x| + |y| + |z| in place of the norm: changes "
          "with the axes", area="absolute components"),
+    slip("mean area of the faces", "a mean in place of a third of the sum", area="mean"),
     slip("the degree in place of the area", "the number of neighbours is divided by", area="degree"),
 )  # fmt: skip
 
@@ -98,7 +99,13 @@ def mean_curvature(
         return bordered(facts, factor * values, border), np.abs(factor) * size
     key = ("vector", weights, area, area_factor, measure, side)
     vector, size = facts.remember(key, lambda: _vector(facts, weights, area, area_factor, measure, side))
-    return bordered(facts, factor * _read(facts, vector, read, normal), border), np.abs(factor) * size
+    values = bordered(facts, factor * _read(facts, vector, read, normal), border)
+    if read not in ("signed", "uniform sign", "one component", "any component"):
+        return values, np.abs(factor) * size
+    # At a vertex of one face the vector is tangential, and its sign is rounding.
+    along = np.abs((vector * facts.normal_sum(normal)).sum(axis=1))
+    free = along <= 1e-9 * row_norm(vector) * row_norm(facts.normal_sum(normal))
+    return values, np.abs(factor) * size, free
 
 
 def _vector(
@@ -173,6 +180,7 @@ WEIGHTS = (
     slip("cotangents of obtuse angles set to 0", "negative cotangents are cut off", weights="clamped"),
     slip("tangent in place of cotangent", "the weight of an edge", weights="tangent"),
     slip("cotangent of another corner", "the angle at the edge, not the one opposite", weights="swapped"),
+    slip("cotangents at the ends of an edge", "the angles at the edge, not those opposite", weights="ends"),
     slip("one of the two angles of an edge", "only one of the two faces adds", weights="one side"),
     usual("weights of inverse lengths", "1 / length of the edge", weights="lengths"),
     *OUTER,
@@ -277,7 +285,7 @@ def principal_curvatures(
 ) -> Answer:
     """H ± √(H² - K), and variants; (n, 2)."""
     edge, measure = change.pop("edge", np.pi), change.get("measure", "pointwise")
-    mean, size = mean_curvature(facts, area=area, **change)
+    mean, size, *_ = mean_curvature(facts, area=area, **change)
     gauss, _ = gaussian_curvature(facts, area=k_area or area, edge=edge, measure=measure)
     inside = mean**2 - gauss
     if root == "absolute":
@@ -374,6 +382,7 @@ NORMALS = (
     usual("equal weights", "every face counts the same", weight="uniform"),
     usual("weights by inverse lengths", "the weight of a face", weight="inverse lengths"),
     slip("weights by inverse area", "the weight of a face", weight="inverse area"),
+    slip("weights by squared area", "the cross product times its length", weight="squared area"),
     slip("normal of the last face", "assigned, not added: the last face wins", weight="last face"),
     slip("normal of the first face", "assigned at the first face", weight="first face"),
     slip("mean of unit normals, not normalised", "the last division by the length is missing",

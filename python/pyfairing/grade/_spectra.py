@@ -74,7 +74,9 @@ def eigenvalues(
         if first + k > facts.n:
             raise ValueError("too few vertices")
         values = pairs(facts, first + k, weights, mass)[0][first : first + k]
-    values = factor * np.maximum(values, 0) ** power * (facts.mesh.area if total else 1.0)
+    zero = values <= 1e-9 * np.abs(values).max()
+    powers = np.where(zero, 0.0, np.where(zero, 1.0, values) ** power)
+    values = factor * powers * (facts.mesh.area if total else 1.0)
     if order == "descending":
         values = values[::-1]
     elif order == "as given":
@@ -107,6 +109,7 @@ EIGENVALUES = (
     slip("mass three times too large", "a third is missing in the area", factor=1 / 3),
     slip("times 3", "an area of a ninth", factor=3.0),
     usual("frequencies √ω", "the root of the eigenvalues", power=0.5),
+    slip("inverse values", "the operator was inverted: 1 / ω", power=-1.0),
     slip("squared", "singular values, or L twice", power=2.0),
     usual("times the area of the mesh", "ShapeDNA's normalisation", total=True),
     slip("the largest eigenvalues", "the end of the spectrum that the solver returned", end="largest"),
@@ -189,14 +192,19 @@ def reconstruction(
     project: str = "mass",
     more: int = 0,
     first: int = 0,
+    end: str = "smallest",
     factor: float = 1.0,
 ) -> Answer:
     """Σ φᵢ φᵢᵀ M x over the first k modes, and variants; (n, 3)."""
     count = k + more
     if not 0 < count <= facts.n:
         raise ValueError("no such mode")
-    _, phi, _ = pairs(facts, count, weights, mass)
-    phi, x = phi[:, first:count], facts.points
+    if end == "largest":
+        if facts.n > DENSE:
+            raise ValueError("too many vertices")
+        phi, x = pairs(facts, facts.n, weights, mass)[1][:, facts.n - k :], facts.points
+    else:
+        phi, x = pairs(facts, count, weights, mass)[1][:, first:count], facts.points
     size = np.full(facts.n, 20 * facts.mesh.diagonal)
     if project == "mass":
         found = phi @ (phi.T @ (mass_of(facts, mass) @ x))
@@ -223,6 +231,7 @@ RECONSTRUCTION = (
     slip("one mode too few", "k - 1 modes", more=-1),
     slip("the constant mode is missing", "centred at the origin", first=1),
     slip("k modes without the constant one", "the modes 1 ... k in place of 0 ... k - 1", first=1, more=1),
+    slip("the k largest modes", "the end of the spectrum that the solver returned", end="largest"),
     slip("times 2", "a factor of the modes", factor=2.0),
     slip("half the size", "a factor of the modes", factor=0.5),
     *PROBLEM,
