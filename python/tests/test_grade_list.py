@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pyfairing as pf
 import pytest
+
+import pyfairing as pf
 from pyfairing import grade
 
 Case = tuple[str, Callable[["Student"], Any], str, str]
@@ -23,7 +24,9 @@ class Student:
     def __init__(self, mesh: pf.Mesh) -> None:
         self.mesh, self.v, self.f = mesh, mesh.vertices, mesh.faces.astype(int)
         self.n = len(self.v)
-        self.directed = {(int(t[k]), int(t[(k + 1) % 3])): int(t[(k + 2) % 3]) for t in self.f for k in range(3)}
+        self.directed = {
+            (int(t[k]), int(t[(k + 1) % 3])): int(t[(k + 2) % 3]) for t in self.f for k in range(3)
+        }
         self.neighbours: list[list[int]] = [[] for _ in range(self.n)]
         for i, j in self.directed:
             for a, b in ((i, j), (j, i)):
@@ -131,17 +134,26 @@ class Student:
     def dihedral(self) -> Any:
         """Sum of angle times length."""
         total = np.zeros(self.n)
-        unit = {tuple(t): np.cross(self.v[t[1]] - self.v[t[0]], self.v[t[2]] - self.v[t[0]]) for t in self.f}
-        face = {(t[k], t[(k + 1) % 3]): n / np.linalg.norm(n) for t, n in unit.items() for k in range(3)}
+        unit = {
+            tuple(t): np.cross(self.v[t[1]] - self.v[t[0]], self.v[t[2]] - self.v[t[0]])
+            for t in self.f
+        }
+        face = {
+            (t[k], t[(k + 1) % 3]): n / np.linalg.norm(n) for t, n in unit.items() for k in range(3)
+        }
         for i, j in self.directed:
             if i < j and (j, i) in face:
                 along = self.v[j] - self.v[i]
                 length = np.linalg.norm(along)
-                angle = math.atan2(np.cross(face[i, j], face[j, i]) @ along / length, face[i, j] @ face[j, i])
+                angle = math.atan2(
+                    np.cross(face[i, j], face[j, i]) @ along / length, face[i, j] @ face[j, i]
+                )
                 total[[i, j]] += angle * length
         return total
 
-    def principal(self, h: Any, k: Any, root: Callable[[Any], Any] = lambda x: np.sqrt(np.maximum(x, 0))) -> Any:
+    def principal(
+        self, h: Any, k: Any, root: Callable[[Any], Any] = lambda x: np.sqrt(np.maximum(x, 0))
+    ) -> Any:
         return np.column_stack([h + root(h**2 - k), h - root(h**2 - k)])
 
     def spectrum(self, s: Any = None, m: Any = None) -> tuple[Any, Any]:
@@ -229,7 +241,12 @@ PAIRS: list[Case] = [
     ("compensated", lambda s: (-2 * s.s(), 2 * s.barycentric()), "convention", "both times 2"),
     ("½ missing, not compensated", lambda s: (2 * s.s(), s.barycentric()), "mistake", "½ missing"),
     ("right", lambda s: (s.s(), np.diag(s.barycentric())), "right", ""),
-    ("consistent", lambda s: (s.s(), s.mesh.laplacian("uniform", "consistent").mass), "right|convention", ""),
+    (
+        "consistent",
+        lambda s: (s.s(), s.mesh.laplacian("uniform", "consistent").mass),
+        "right|convention",
+        "",
+    ),
     ("mixed", lambda s: (-s.s(), s.mixed()), "convention", "mixed"),
 ]
 UNIFORM: list[Case] = [
@@ -407,7 +424,12 @@ EIGENVALUES: list[Case] = [
     ("½ missing", lambda s: s.spectrum(2 * s.s())[0][:K], "mistake", "½ missing"),
     ("½ missing, negative", lambda s: -s.spectrum(2 * s.s())[0][:K], "mistake", "½ missing"),
     ("negative", lambda s: -s.spectrum()[0][:K], "convention", "other sign"),
-    ("graph", lambda s: np.linalg.eigvalsh(laplace((s.uniform() > 0) * 1.0))[:K], "convention", "graph"),
+    (
+        "graph",
+        lambda s: np.linalg.eigvalsh(laplace((s.uniform() > 0) * 1.0))[:K],
+        "convention",
+        "graph",
+    ),
     ("no mass", lambda s: np.linalg.eigvalsh(s.s())[:K], "mistake", "no mass"),
 ]
 MODES: list[Case] = [
@@ -460,7 +482,9 @@ def flow(s: Student, update: str, steps: int = 2) -> Any:
     for _ in range(steps):
         moved = Student(mesh.with_vertices(x))
         stiff = moved.s() if update == "both" else first.s()
-        x = np.linalg.solve(np.diag(moved.barycentric()) + T * stiff, moved.barycentric()[:, None] * x)
+        x = np.linalg.solve(
+            np.diag(moved.barycentric()) + T * stiff, moved.barycentric()[:, None] * x
+        )
     return x
 
 
@@ -516,13 +540,19 @@ def open_mesh() -> pf.Mesh:
     """Uneven, with obtuse triangles inside and at the border, with saddles and caps."""
     plane = pf.shapes.irregular_plane(0.09)
     x, y, _ = plane.vertices.T
-    return plane.with_vertices(np.column_stack([1.1 * x + 0.1 * y**2, y - 0.1 * x**2, 0.2 * np.sin(4 * x + 1) * np.cos(3 * y)]))
+    return plane.with_vertices(
+        np.column_stack(
+            [1.1 * x + 0.1 * y**2, y - 0.1 * x**2, 0.2 * np.sin(4 * x + 1) * np.cos(3 * y)]
+        )
+    )
 
 
 def closed_mesh() -> pf.Mesh:
     """Uneven, obtuse in places, in no symmetric position."""
     ball = pf.shapes.bumpy_sphere(2, 0.15, 4.0)
-    return ball.with_vertices(ball.vertices * [1.0, 1.3, 0.8] + [0.1, 0.2, 0.3]).noise(0.12, kind="axes")
+    return ball.with_vertices(ball.vertices * [1.0, 1.3, 0.8] + [0.1, 0.2, 0.3]).noise(
+        0.12, kind="axes"
+    )
 
 
 JUDGES: dict[str, tuple[list[Case], Callable[[pf.Mesh, Any], grade.Report]]] = {
@@ -537,8 +567,14 @@ JUDGES: dict[str, tuple[list[Case], Callable[[pf.Mesh, Any], grade.Report]]] = {
     "eigenvalues": (EIGENVALUES, grade.eigenvalues),
     "modes": (MODES, grade.modes),
     "reconstruction": (RECONSTRUCTION, lambda mesh, x: grade.reconstruction(mesh, x, K)),
-    "implicit": (IMPLICIT, lambda mesh, x: grade.smoothed(mesh, x, "implicit", lam=LAM, iterations=3)),
-    "cotangent": (COTANGENT, lambda mesh, x: grade.smoothed(mesh, x, time=T, iterations=2, weights="cotangent")),
+    "implicit": (
+        IMPLICIT,
+        lambda mesh, x: grade.smoothed(mesh, x, "implicit", lam=LAM, iterations=3),
+    ),
+    "cotangent": (
+        COTANGENT,
+        lambda mesh, x: grade.smoothed(mesh, x, time=T, iterations=2, weights="cotangent"),
+    ),
 }
 ALL = [(name, case) for name, (cases, _) in JUDGES.items() for case in cases]
 
@@ -571,7 +607,9 @@ def test_deviations_on_a_closed_mesh_are_named(case: Any, closed: Student) -> No
 
 
 @pytest.mark.parametrize(("quantity", "case"), ALL, ids=lambda x: x if isinstance(x, str) else x[0])
-def test_right_answers_stay_right_on_a_closed_mesh(quantity: str, case: Case, closed: Student) -> None:
+def test_right_answers_stay_right_on_a_closed_mesh(
+    quantity: str, case: Case, closed: Student
+) -> None:
     """What differs at borders alone is right here; conventions are no mistakes."""
     _, answer, status, _ = case
     if status in ("right", "convention", "convention|border"):

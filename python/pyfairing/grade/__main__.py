@@ -10,12 +10,12 @@ from .._mesh import read
 from ._folder import Options, graded, judges, table
 
 _TEXT = """\
-questions: q1 H of the uniform Laplacian, or K (by the name of the file); q2 rows of u, v, E, F, G, L,
-M, N; q3 H of the cotangent Laplacian; q4 reconstruction; q5 explicit and q6 implicit smoothing; q7
-denoising. Also mean, gaussian, principal, normals, mass, laplacian, eigenvalues, modes.
+questions: q1 H of the uniform Laplacian, or K (by the name of the file); q2 rows of u, v, E, F, G,
+L, M, N; q3 H of the cotangent Laplacian; q4 reconstruction; q5 explicit and q6 implicit smoothing;
+q7 denoising. Also mean, gaussian, principal, normals, mass, laplacian, eigenvalues, modes.
 
-ANSWER is a .npy, .npz, .csv, .txt, .mat or .mtx file, a mesh or a mesh with a field (out.ply:quality),
-or a folder, which gives a table with a row for each file.
+ANSWER is a .npy, .npz, .csv, .txt, .mat or .mtx file, a mesh, a mesh with a field
+(out.ply:quality), or a folder, which gives a table with a row for each file.
 
 exit status: 0 right, 1 not, 2 unreadable; 0 for folders
 """
@@ -24,25 +24,41 @@ exit status: 0 right, 1 not, 2 unreadable; 0 for folders
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command; returns its exit status."""
     parser = argparse.ArgumentParser(
-        "python -m pyfairing.grade", description="Judges answers to exercises on the Laplacian.", epilog=_TEXT,
+        "python -m pyfairing.grade",
+        description="Judges answers to exercises on the Laplacian.",
+        epilog=_TEXT,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     parser.add_argument("question", choices=sorted(judges(Options())))
     parser.add_argument("mesh", help="the mesh of the question (any mesh for q2)")
     parser.add_argument("answer", help="a file, or a folder of submissions")
     parser.add_argument("-o", "--output", help="CSV file of a folder; by default the screen")
-    parser.add_argument("--only", default="", metavar="NAME", help="end of the names of the files in a folder")
+    parser.add_argument(
+        "--only", default="", metavar="NAME", help="end of the names of the files in a folder"
+    )
     parser.add_argument("--k", type=int, default=15, help="modes of a reconstruction (15)")
     parser.add_argument("--lam", type=float, help="step of smoothing (0.5 explicit, 5 implicit)")
     parser.add_argument("--time", type=float, help="step for cotangents, in squared mesh units")
     parser.add_argument("--iterations", type=int, default=10, help="steps of smoothing (10)")
-    parser.add_argument("--weights", choices=["uniform", "cotangent"], help="weights of the Laplacian")
+    parser.add_argument(
+        "--weights", choices=["uniform", "cotangent"], help="weights of the Laplacian"
+    )
     parser.add_argument("--truth", help="mesh without noise, for q7")
     parser.add_argument("--mass", help="file of the mass beside a Laplacian")
-    parser.add_argument("--axes", type=float, nargs=3, default=(3, 2, 1), help="half-axes of q2 (3 2 1)")
+    parser.add_argument(
+        "--axes", type=float, nargs=3, default=(3, 2, 1), help="half-axes of q2 (3 2 1)"
+    )
     given = parser.parse_args(arguments)
-    options = Options(given.k, given.lam, given.time, given.iterations, given.weights, given.truth, given.mass,
-                      tuple(given.axes))  # fmt: skip
+    options = Options(
+        given.k,
+        given.lam,
+        given.time,
+        given.iterations,
+        given.weights,
+        given.truth,
+        given.mass,
+        tuple(given.axes),
+    )
     judge, answer = judges(options)[given.question], Path(given.answer)
     try:
         mesh = read(given.mesh)

@@ -37,7 +37,7 @@ class Case:
     """An answer, with the formula and the conventions to try.
 
     `per_corner` gives the candidates for the value of a single incident face, (m, 3) or (m, 3, d);
-    `masks` name places where NaN is expected; `hook` is asked after single conventions, before pairs.
+    `masks` name places where NaN is expected; `hook` is asked after single ones.
     """
 
     quantity: str
@@ -114,7 +114,11 @@ def attempt(case: Case, conventions: tuple[Convention, ...]) -> Trial | None:
 
 
 def compared(
-    case: Case, conventions: tuple[Convention, ...], values: Any, size: Any, free: Bools | None = None
+    case: Case,
+    conventions: tuple[Convention, ...],
+    values: Any,
+    size: Any,
+    free: Bools | None = None,
 ) -> Trial:
     with np.errstate(all="ignore"):
         if hasattr(values, "tocsr") or values.ndim < 2:
@@ -130,7 +134,9 @@ def compared(
         own = row_norm(values)
         relative = difference / (own + 1e-3 * np.median(own) + 1e-300)
         median = float(np.median(np.nan_to_num(relative[case.rows], nan=np.inf)))
-    return Trial(conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median)
+    return Trial(
+        conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median
+    )
 
 
 def combined(case: Case, count: int) -> Iterator[Trial]:
@@ -175,7 +181,9 @@ def judge(case: Case) -> Report:
     exclude_wild(case)
     if not case.rows.any():
         return Report(
-            case.quantity, "mistake", f"mistake: every {case.what} has the value NaN or infinity",
+            case.quantity,
+            "mistake",
+            f"mistake: every {case.what} has the value NaN or infinity",
             (Convention("NaN everywhere", "integers for lengths, 0/0, or nothing returned", {}),),
             table=tuple(case.table),
         )
@@ -220,7 +228,11 @@ def explained(case: Case, fits: list[Trial], more: str = "") -> Report:
 
         found = undefined(case)
         return measured(
-            case, best, "mistake", f"mistake: {found.name} ({found.where}); elsewhere {said(best)}{more}", table,
+            case,
+            best,
+            "mistake",
+            f"mistake: {found.name} ({found.where}); elsewhere {said(best)}{more}",
+            table,
             (found,),
         )
     return measured(case, best, status(best), said(best) + more, table)
@@ -246,7 +258,9 @@ def said(trial: Trial) -> str:
 
 def accused(conventions: tuple[Convention, ...]) -> str:
     """Mistakes with their places, then the conventions beside them."""
-    faults = " and ".join(f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault)
+    faults = " and ".join(
+        f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault
+    )
     plain = naming(tuple(c for c in conventions if not c.fault))
     return f"mistake: {faults}" + (f"; by convention: {plain}" if plain != "our formula" else "")
 
@@ -268,8 +282,15 @@ def measured(
     error = np.where(np.isfinite(error), error, np.inf)
     worst = int(error.argmax())
     return Report(
-        case.quantity, kind, verdict, found + trial.conventions, float(error[worst]),
-        float(np.sqrt((error[case.rows] ** 2).mean())), float(trial.tolerance[worst]), worst, tuple(table),
+        case.quantity,
+        kind,
+        verdict,
+        found + trial.conventions,
+        float(error[worst]),
+        float(np.sqrt((error[case.rows] ** 2).mean())),
+        float(trial.tolerance[worst]),
+        worst,
+        tuple(table),
     )
 
 

@@ -63,7 +63,9 @@ def _operator(
     if weights in ("uniform", "faces", "lengths") and scaled == "left":
         return laplacian(base, weights=weights, scaled="own", diagonal=mean)[0]
     if base is moved or scaled != "left":
-        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[0]
+        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[
+            0
+        ]
     return base.diagonal(1 / (area_factor * moved.area(area))) @ base.stiffness(weights)
 
 
@@ -113,8 +115,10 @@ SMOOTHED = (
     slip("one step too few", "the loop", more=-1),
     usual("cotangent weights", "the operator", weights="cotangent"),
     usual("uniform weights", "the operator", weights="uniform"),
-    slip("λ doubled (½ missing in the cotangents)", "the step, or a factor of the operator", step=2.0),
-    usual("λ halved (moved by Hn in place of 2Hn)", "the step, or a factor of the operator", step=0.5),
+    slip("λ doubled (½ missing in the cotangents)", "the step, or a factor of the operator",
+         step=2.0),
+    usual("λ halved (moved by Hn in place of 2Hn)", "the step, or a factor of the operator",
+          step=0.5),
     slip("-λ", "the sign of the operator: it roughens", step=-1.0),
     slip("λ = 1", "the step is fixed", unit="one"),
     usual("λ times h²", "the step is in squared mean edge lengths", unit="h²"),
@@ -122,21 +126,26 @@ SMOOTHED = (
     usual("area kept up to date", "M follows the moving mesh, S does not", update="mass"),
     usual("operator kept up to date", "S and M follow the moving mesh", update="both"),
     usual("border fixed", "border vertices do not move", border="pinned"),
-    slip("border rows of the identity", "each step scales the border by 1 / (1 - λ)", border="identity"),
+    slip("border rows of the identity", "each step scales the border by 1 / (1 - λ)",
+         border="identity"),
     slip("in place: later vertices see moved ones", "write into a second array", order="in place"),
-    slip("the mean includes the vertex itself", "degree + 1 in place of the degree", mean="with itself"),
+    slip("the mean includes the vertex itself", "degree + 1 in place of the degree",
+         mean="with itself"),
     slip("neighbours counted once for each face", "inner neighbours twice, border ones once",
          weights="faces"),
     slip("mass missing: I - λS", "S is not divided by the area", scaled="no"),
     slip("transposed: S M⁻¹", "the inverse mass stands on the wrong side", scaled="right"),
-    slip("divided by the sum of the weights", "M⁻¹ S in place of rows over the diagonal", scaled="own"),
+    slip("divided by the sum of the weights", "M⁻¹ S in place of rows over the diagonal",
+         scaled="own"),
     usual("mixed areas", "the mass M", area="mixed"),
     usual("circumcentric (Voronoi) areas", "the mass M", area="voronoi"),
     slip("absolute cotangents", "cotangents of obtuse angles lose their sign", weights="absolute"),
     slip("outer half-edge of the border taken for a triangle", "the cotangents at the border",
          weights="outer triangles"),
-    usual("scaled to the old volume about the origin", "after each step", after="volume about the origin"),
-    usual("scaled to the old volume about the mean", "after each step", after="volume about the mean"),
+    usual("scaled to the old volume about the origin", "after each step",
+          after="volume about the origin"),
+    usual("scaled to the old volume about the mean", "after each step",
+          after="volume about the mean"),
     usual("centred at the mean of the vertices", "after each step", after="centred at the mean"),
     usual("mean of the vertices kept", "after each step", after="mean kept"),
 )  # fmt: skip
@@ -220,7 +229,8 @@ def poisson(
 
 
 POISSON = (
-    slip("mean by count, not by area", "the mean of f that is subtracted", mean="count", right="mass"),
+    slip("mean by count, not by area", "the mean of f that is subtracted", mean="count",
+         right="mass"),
     slip("mass missing on the right", "S u = f in place of M f", right="none", mean="count"),
     usual("the other sign", "Δu = f in place of -Δu = f", factor=-1.0),
     slip("½ missing in the cotangents: half of u", "S", factor=0.5),
@@ -236,6 +246,7 @@ POISSON = (
 
 def other_step(case: Case, asked: str) -> Report | None:
     """The report on an answer that another λ explains."""
+
     def trial(log: float, method: str) -> Trial | None:
         try:
             with np.errstate(all="ignore"):
@@ -261,5 +272,7 @@ def other_step(case: Case, asked: str) -> Report | None:
             c = float(np.exp((low + high) / 2))
             found = slip(f"λ times {c:.5g}", "the step, or a factor of the operator")
             other = "" if method == asked else f"{method} steps with "
-            return measured(case, best, "mistake", f"mistake: {other}{found.name}", case.table, (found,))
+            return measured(
+                case, best, "mistake", f"mistake: {other}{found.name}", case.table, (found,)
+            )
     return None

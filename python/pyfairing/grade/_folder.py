@@ -28,7 +28,17 @@ from . import (
 )
 from ._report import Report
 
-COLUMNS = ("submission", "file", "status", "verdict", "conventions", "largest_error", "rms_error", "tolerance", "at")
+COLUMNS = (
+    "submission",
+    "file",
+    "status",
+    "verdict",
+    "conventions",
+    "largest_error",
+    "rms_error",
+    "tolerance",
+    "at",
+)
 
 
 @dataclass(frozen=True)
@@ -58,7 +68,13 @@ def _curvature(mesh: Mesh, source: Any) -> Report:
 def judges(options: Options) -> dict[str, Judge]:
     """The judge of each question, by the names of the command."""
     weights: Any = options.weights or "uniform"
-    steps = {"lam": options.lam, "time": options.time, "iterations": options.iterations, "weights": weights}
+    of_matrix: Any = options.weights or "cotangent"
+    steps = {
+        "lam": options.lam,
+        "time": options.time,
+        "iterations": options.iterations,
+        "weights": weights,
+    }
 
     def truth(mesh: Mesh, source: Any) -> Report:
         if options.truth is None:
@@ -66,14 +82,16 @@ def judges(options: Options) -> dict[str, Judge]:
         return denoised(mesh, source, read(options.truth))
 
     def matrix(mesh: Mesh, source: Any) -> Report:
-        return laplacian(mesh, source, options.mass, options.weights or "cotangent")  # type: ignore[arg-type]
+        return laplacian(mesh, source, options.mass, of_matrix)
 
     def forms(mesh: Mesh, source: Any) -> Report:
         from ._inputs import loaded
 
         values = loaded(source)
         if values.ndim != 2 or values.shape[1] != 8:
-            raise OptionError(f"q2 takes rows of u, v, E, F, G, L, M, N, not an array of shape {values.shape}")
+            raise OptionError(
+                f"q2 takes rows of u, v, E, F, G, L, M, N, not an array of shape {values.shape}"
+            )
         return fundamental_forms(options.axes, values[:, 2:], values[:, 0], values[:, 1])
 
     return {
@@ -84,7 +102,7 @@ def judges(options: Options) -> dict[str, Judge]:
         "q5": lambda mesh, source: smoothed(mesh, source, "explicit", **steps),
         "q6": lambda mesh, source: smoothed(mesh, source, "implicit", **steps),
         "q7": truth,
-        "mean": lambda mesh, source: mean_curvature(mesh, source, options.weights or "cotangent"),  # type: ignore[arg-type]
+        "mean": lambda mesh, source: mean_curvature(mesh, source, of_matrix),
         "gaussian": gaussian_curvature,
         "principal": principal_curvatures,
         "normals": vertex_normals,
@@ -109,7 +127,20 @@ def graded(judge: Judge, mesh: Mesh, source: Any) -> Report:
 
 def submissions(folder: Path, suffix: str = "") -> list[Path]:
     """The files of a folder and of its folders, sorted; hidden files and code are left out."""
-    known = {".npy", ".npz", ".csv", ".txt", ".mat", ".mtx", ".obj", ".ply", ".off", ".dat", ".tsv", ".vtp"}
+    known = {
+        ".npy",
+        ".npz",
+        ".csv",
+        ".txt",
+        ".mat",
+        ".mtx",
+        ".obj",
+        ".ply",
+        ".off",
+        ".dat",
+        ".tsv",
+        ".vtp",
+    }
     found = sorted(p for p in folder.rglob("*") if p.is_file() and p.suffix.lower() in known)
     return [p for p in found if not p.name.startswith(".") and p.name.endswith(suffix)]
 
@@ -129,5 +160,7 @@ def table(judge: Judge, mesh: Mesh, folder: Path, suffix: str, out: TextIO) -> i
         numbers = [report.largest, report.rms, report.tolerance]
         words = ["" if x is None else f"{x:.4g}" for x in numbers]
         at = "" if report.vertex is None else str(report.vertex)
-        rows.writerow([who, str(inside), report.status, report.verdict, "; ".join(report.names), *words, at])
+        rows.writerow(
+            [who, str(inside), report.status, report.verdict, "; ".join(report.names), *words, at]
+        )
     return len(files)

@@ -60,18 +60,21 @@ def forms(
 
 
 FORMS = (
-    usual("outward normal: L, M, N negative", "the sign of pᵤ × pᵥ: it points inward here", sign=-1.0),
+    usual("outward normal: L, M, N negative", "the sign of pᵤ × pᵥ: it points inward here",
+          sign=-1.0),
     usual("u and v in the other order", "E and G, L and N are exchanged", swap="both"),
     slip("E and G exchanged", "the first form", swap="first"),
     slip("L and N exchanged", "the second form", swap="second"),
     slip("u and v exchanged in the formula", "sin u and sin v", chart="swapped"),
     slip("degrees", "the parameters", chart="degrees"),
-    slip("normal not normalised", "pᵤ × pᵥ in place of pᵤ × pᵥ / ‖pᵤ × pᵥ‖", normal="cross product"),
+    slip("normal not normalised", "pᵤ × pᵥ in place of pᵤ × pᵥ / ‖pᵤ × pᵥ‖",
+         normal="cross product"),
     slip("normal divided by the squared norm", "EG - F² in place of its root", normal="squared"),
     usual("2F and 2M", "the coefficient of du dv", middle=2.0),
     slip("half of F and M", "the coefficient of du dv", middle=0.5),
     slip("roots of E, F, G", "‖pᵤ‖ in place of pᵤ · pᵤ", swap="roots"),
-    slip("second form of the pole", "L = M = 0 at (0, 0, c), where the chart is singular", at="pole"),
+    slip("second form of the pole", "L = M = 0 at (0, 0, c), where the chart is singular",
+         at="pole"),
 )  # fmt: skip
 
 
@@ -82,7 +85,7 @@ def values_of(answer: Any, u: Floats, v: Floats) -> Floats:
     function: Callable[..., Any] = answer
     try:
         found = six(function(u, v), len(u))
-    except Exception:
+    except (TypeError, ValueError, IndexError, OptionError):
         # Functions of single numbers.
         found = np.vstack([six(function(float(a), float(b)), 1) for a, b in zip(u, v)])
     return found
@@ -113,6 +116,7 @@ def six(answer: Any, count: int) -> Floats:
         joined = joined.reshape(-1, 6) if joined.size == 6 * count else joined
     if joined.shape != (count, 6):
         raise OptionError(
-            f"the forms have the shape {joined.shape}; E, F, G, L, M, N at {count} points are ({count}, 6)"
+            f"the forms have the shape {joined.shape}; "
+            f"E, F, G, L, M, N at {count} points are ({count}, 6)"
         )
     return joined

@@ -44,10 +44,15 @@ def loaded(source: Any, name: str = "the answer") -> Any:
         return _of_mesh(path, key)
     if ending not in (".npy", ".npz", ".mat", ".mtx", ".csv", ".txt", ".dat", ".tsv"):
         raise OptionError(
-            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh ({', '.join(_MESHES)})"
+            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh"
+            f" ({', '.join(_MESHES)})"
         )
     found = _from_file(path, ending, key)
-    return found.tocsr().astype(np.float64) if hasattr(found, "tocsr") else _numbers(np.asarray(found), text)
+    return (
+        found.tocsr().astype(np.float64)
+        if hasattr(found, "tocsr")
+        else _numbers(np.asarray(found), text)
+    )
 
 
 def _from_file(path: str, ending: str, key: str) -> Any:
@@ -63,7 +68,9 @@ def _from_file(path: str, ending: str, key: str) -> Any:
     if ending == ".mat":
         from scipy.io import loadmat
 
-        return _chosen({k: v for k, v in loadmat(path).items() if not k.startswith("__")}, path, key)
+        return _chosen(
+            {k: v for k, v in loadmat(path).items() if not k.startswith("__")}, path, key
+        )
     if ending == ".mtx":
         from scipy.io import mmread
 
@@ -83,7 +90,9 @@ def _text(path: str) -> Any:
             rows.append([float(word.strip('"[]()')) for word in words])
         except ValueError as error:
             if rows:
-                raise OptionError(f"{path}, line {number}: {line.strip()[:40]!r} is no number") from error
+                raise OptionError(
+                    f"{path}, line {number}: {line.strip()[:40]!r} is no number"
+                ) from error
     if not rows:
         raise OptionError(f"{path} holds no numbers")
     widths = {len(row) for row in rows}
@@ -98,7 +107,9 @@ def _chosen(arrays: dict[str, Any], path: str, key: str) -> Any:
             raise OptionError(f"{path} has no array {key}, but {', '.join(arrays)}")
         return arrays[key]
     if len(arrays) != 1:
-        raise OptionError(f"{path} has {len(arrays)} arrays: choose one, as in {path}:{next(iter(arrays), 'H')}")
+        raise OptionError(
+            f"{path} has {len(arrays)} arrays: choose one, as in {path}:{next(iter(arrays), 'H')}"
+        )
     return next(iter(arrays.values()))
 
 
@@ -115,7 +126,9 @@ def _of_mesh(path: str, key: str) -> Floats:
 def _numbers(array: npt.NDArray[Any], name: str) -> Floats:
     if array.dtype == object and array.ndim == 0:
         raise OptionError(f"{name} is a {type(array.item()).__name__}, not an array")
-    if array.dtype.kind == "c" and np.abs(array.imag).max(initial=0.0) <= 1e-9 * np.abs(array).max(initial=0.0):
+    if array.dtype.kind == "c" and np.abs(array.imag).max(initial=0.0) <= 1e-9 * np.abs(array).max(
+        initial=0.0
+    ):
         array = array.real
     if array.dtype.kind not in "fiub":
         raise OptionError(f"{name} must be real numbers, not {array.dtype}")
@@ -136,7 +149,9 @@ def scalars(source: Any, mesh: Mesh, name: str) -> Floats:
         values = values.reshape(-1)
     if values.shape == (n,):
         return np.asarray(values)
-    raise OptionError(f"{name} {_shape_in_words(values.shape, mesh)}; one number per vertex is needed, ({n},)")
+    raise OptionError(
+        f"{name} {_shape_in_words(values.shape, mesh)}; one number per vertex is needed, ({n},)"
+    )
 
 
 def _shape_in_words(shape: tuple[int, ...], mesh: Mesh) -> str:
@@ -179,21 +194,32 @@ def vectors(source: Any, mesh: Mesh, name: str, width: int = 3) -> Floats:
     words = _shape_in_words(values.shape, mesh)
     if values.shape == (mesh.n_faces, 3):
         words = f"has the shape {values.shape}, one row per face"
-    raise OptionError(f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})")
+    raise OptionError(
+        f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})"
+    )
 
 
 def square(source: Any, mesh: Mesh, name: str) -> Any:
-    """An (n, n) matrix as csr_matrix; triplets (row, column, value) of a text file are assembled."""
+    """An (n, n) matrix as csr_matrix; triplets (row, column, value) of a text are assembled."""
     from scipy.sparse import csr_matrix
 
     values = loaded(source, name)
     n = mesh.n_vertices
     if values.shape == (n, n):
         return csr_matrix(values)
-    if values.ndim == 2 and values.shape[1] == 3 and values.shape[0] > n and not hasattr(values, "tocsr"):
+    if (
+        values.ndim == 2
+        and values.shape[1] == 3
+        and values.shape[0] > n
+        and not hasattr(values, "tocsr")
+    ):
         rows, columns = (np.rint(values[:, k]).astype(np.int64) for k in (0, 1))
-        first = 1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
-        if (values[:, :2] == np.rint(values[:, :2])).all() and max(rows.max(), columns.max()) < n + first:
+        first = (
+            1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
+        )
+        if (values[:, :2] == np.rint(values[:, :2])).all() and max(
+            rows.max(), columns.max()
+        ) < n + first:
             return csr_matrix((values[:, 2], (rows - first, columns - first)), shape=(n, n))
     words = _shape_in_words(values.shape, mesh)
     raise OptionError(f"{name} {words}; a matrix of ({n}, {n}) is needed")

@@ -17,17 +17,13 @@ _TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 
 #: Change, and the reason if the answer changes with it.
 REASONS = {
-    "repeated": ("the answer changes from call to call", "memory that is never set to 0, or random numbers"),
-    "faces in another order": ("depends on the order of faces", "the last face to be visited wins: assigned "
-                               "where it must be added, or an order of neighbours is assumed"),
-    "corners of faces rotated": ("depends on the first corner of faces", "one corner of each face is "
-                                 "treated apart, or half-edges are taken on one side"),
-    "vertices renumbered": ("depends on the numbers of vertices", "indices enter as values, an array is "
-                            "changed in place, or neighbours are taken in the order of their numbers"),
-    "moved": ("depends on the place", "the origin enters: positions in place of differences, or a centre"),
-    "turned": ("depends on the axes", "a single component or a sum of components stands for a length or a "
-               "scalar product"),
-    "scaled": ("depends on the unit", "an absolute threshold, or terms of different units are added"),
+    "repeated": ("the answer changes from call to call", "memory never set to 0, or random"),
+    "faces in another order": ("depends on the order of faces", "the last face to be visited wins"),
+    "corners of faces rotated": ("depends on the first corner of faces", "half-edges of one side"),
+    "vertices renumbered": ("depends on the numbers of vertices", "indices as values, or in place"),
+    "moved": ("depends on the place", "positions in place of differences, or a centre"),
+    "turned": ("depends on the axes", "components in place of a length or a scalar product"),
+    "scaled": ("depends on the unit", "an absolute threshold, or terms of other units"),
 }  # fmt: skip
 
 
@@ -44,7 +40,7 @@ def check(
     mesh : Mesh
         The mesh.
     judge : callable, optional
-        A function of this module, such as `grade.mean_curvature`, for the answer on the mesh itself.
+        A function of this module, such as `grade.mean_curvature`, for the answer.
 
     Returns
     -------
@@ -80,11 +76,16 @@ def check(
     for name, (points, corners) in changes.items():
         try:
             answer = call(points, corners)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001
             found.append(Convention(f"fails if {name}", f"{type(error).__name__}: {error}", {}))
             continue
         difference = _difference(name, plain, answer, new, mesh.boundary_vertices)
-        rows.append((name, "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size"))
+        rows.append(
+            (
+                name,
+                "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size",
+            )
+        )
         if difference > 1.0:
             found.append(Convention(*REASONS[name], {}))
             if name == "repeated":

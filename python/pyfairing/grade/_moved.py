@@ -18,7 +18,9 @@ def _normal_error(one: Mesh, other: Mesh) -> float:
     """Mean angle between face normals, in degrees."""
     cosines = (Facts(one).cross * Facts(other).cross).sum(axis=1)
     lengths = 4 * Facts(one).face_areas * Facts(other).face_areas
-    return float(np.rad2deg(np.arccos(np.clip(cosines / np.maximum(lengths, 1e-300), -1, 1))).mean())
+    return float(
+        np.rad2deg(np.arccos(np.clip(cosines / np.maximum(lengths, 1e-300), -1, 1))).mean()
+    )
 
 
 def _distance(one: Floats, other: Floats) -> float:
@@ -45,7 +47,7 @@ def denoised(mesh: Mesh, vertices: Any, truth: Mesh) -> Report:
     """
     given = _inputs.vectors(vertices, mesh, "vertices")
     x, y = mesh.vertices, truth.vertices
-    name, size = "denoised mesh", mesh.diagonal
+    name, size, facts = "denoised mesh", mesh.diagonal, Facts(mesh)
     if not np.isfinite(given).all():
         found = Convention("NaN", "positions that are no numbers", {})
         return Report(name, "mistake", "mistake: NaN among the positions", (found,))
@@ -58,13 +60,17 @@ def denoised(mesh: Mesh, vertices: Any, truth: Mesh) -> Report:
         ("normal error", f"{before_angle:.2f}° before, {after_angle:.2f}° after (mean over faces)"),
         ("distance", f"{before:.3g} before, {now:.3g} after (RMS over vertices, mesh units)"),
         ("size", f"{100 * scale:.1f} % of the truth"),
-        ("volume", f"{100 * volume(Facts(mesh), given) / (volume(Facts(truth), y) or 1.0):.1f} % of the truth"),
+        (
+            "volume",
+            f"{100 * volume(facts, given) / (volume(facts, y) or 1.0):.1f} % of the truth",
+        ),
     )
     slips = {
         "nothing was moved": (_distance(given, x) < 1e-9 * size, "the noisy mesh is returned"),
         "the truth itself": (now < 1e-9 * size, "the mesh without noise is returned"),
         "vertices in another order": (
-            now > 10 * before and _distance(np.sort(given, axis=0), np.sort(y, axis=0)) < 2 * before,
+            now > 10 * before
+            and _distance(np.sort(given, axis=0), np.sort(y, axis=0)) < 2 * before,
             "the file was written in another order, or vertices were merged",
         ),
         "shifted": (
@@ -75,7 +81,8 @@ def denoised(mesh: Mesh, vertices: Any, truth: Mesh) -> Report:
         "grown": (scale > 1.25, "a step of the wrong sign, or an unstable one"),
     }
     found_all = tuple(Convention(word, why, {}) for word, (holds, why) in slips.items() if holds)
-    text = f"normal error {before_angle:.1f}° to {after_angle:.1f}°, distance {before:.2g} to {now:.2g}"
+    text = f"normal error {before_angle:.1f}° to {after_angle:.1f}°, "
+    text += f"distance {before:.2g} to {now:.2g}"
     status: Status = "unexplained"
     if found_all:
         status, text = "mistake", f"mistake: {' and '.join(c.name for c in found_all)} ({text})"
@@ -127,16 +134,23 @@ def noise(
     )
     extent = np.ptp(mesh.vertices, axis=0)
     margin, found = 5 / np.sqrt(2 * n), []
-    flat = float(((values - mean) ** 4).mean() / ((values - mean) ** 2).mean() ** 2) if spread.any() else 0.0
+    flat = (
+        float(((values - mean) ** 4).mean() / ((values - mean) ** 2).mean() ** 2)
+        if spread.any()
+        else 0.0
+    )
     if not spread.any():
         found.append(Convention("no noise", "the positions are those of the mesh", {}))
     elif (np.abs(mean) > 5 * spread / np.sqrt(n)).any():
-        found.append(Convention("biased", "the mean of the noise is not 0, as for numbers in [0, 1)", {}))
+        found.append(
+            Convention("biased", "the mean of the noise is not 0, as for numbers in [0, 1)", {})
+        )
     if spread.any() and flat < 2.2:
         found.append(Convention("uniform, not Gaussian", "the distribution", {}))
     candidates = {
         "": np.ones(3), "σ² for σ": np.full(3, wanted),
-        "σ times the diagonal": np.full(3, mesh.diagonal), "σ times the extent of each axis": extent,
+        "σ times the diagonal": np.full(3, mesh.diagonal),
+        "σ times the extent of each axis": extent,
         "σ times the mean edge length": np.full(3, mesh.mean_edge_length), "2σ": np.full(3, 2.0),
         "σ in hundredths of the extent of each axis": extent / 100, "σ/2": np.full(3, 0.5),
         "σ times the extents of other axes": np.roll(extent, 1), "σ/√3": np.full(3, 3**-0.5),
@@ -154,4 +168,6 @@ def noise(
         found.append(Convention(label, "the level", {}))
     status: Status = "mistake" if found else "right"
     names = " and ".join(c.name for c in found)
-    return Report(name, status, f"mistake: {names}" if found else "right", tuple(found), table=table)
+    return Report(
+        name, status, f"mistake: {names}" if found else "right", tuple(found), table=table
+    )

@@ -34,7 +34,13 @@ def laplacian(
 
 
 def _operator(
-    facts: Facts, weights: str, scaled: str, area: str, area_factor: float, diagonal: str, border: str
+    facts: Facts,
+    weights: str,
+    scaled: str,
+    area: str,
+    area_factor: float,
+    diagonal: str,
+    border: str,
 ) -> Csr:
     matrix = facts.stiffness(weights)
     over = area_factor * facts.area(area)
@@ -96,17 +102,21 @@ OPERATOR: tuple[Convention, ...] = (
     usual("symmetric form", "M^-½ S M^-½", scaled="symmetric"),
     usual("symmetric form by degrees", "D^-½ (D - W) D^-½", scaled="own symmetric"),
     slip("½ missing in the cotangents: times 2", "S is half the sum of the cotangents", factor=2.0),
-    slip("½ twice: half of the weights", "the factor ½ of the cotangents, or 2A in the division", factor=0.5),
+    slip("½ twice: half of the weights", "the factor ½ of the cotangents, or 2A in the division",
+         factor=0.5),
     slip("transposed: inverse mass on the right", "S M⁻¹ in place of M⁻¹ S", scaled="right"),
     slip("multiplied by the area", "M S in place of M⁻¹ S", scaled="multiplied"),
-    slip("divided by the degree", "the cotangent weights are averaged over the neighbours", scaled="degree"),
-    slip("weights divided by √(AᵢAⱼ), diagonal the row sum", "the diagonal of M^-½ S M^-½ is not the row "
-         "sum", scaled="symmetric weights"),
+    slip("divided by the degree", "the cotangent weights are averaged over the neighbours",
+         scaled="degree"),
+    slip("weights divided by √(AᵢAⱼ), diagonal the row sum", "the diagonal of M^-½ S M^-½ is not "
+         "the row sum", scaled="symmetric weights"),
     slip("weights multiplied by √(AᵢAⱼ), diagonal the row sum", "multiplied in place of divided",
          scaled="symmetric multiplied"),
-    slip("the mean includes the vertex itself", "degree + 1 in place of the degree", diagonal="with itself"),
+    slip("the mean includes the vertex itself", "degree + 1 in place of the degree",
+         diagonal="with itself"),
     slip("no diagonal", "the row sums are missing on the diagonal", diagonal="none"),
-    slip("diagonal of the other sign", "the row sum has the sign of the weights", diagonal="weights"),
+    slip("diagonal of the other sign", "the row sum has the sign of the weights",
+         diagonal="weights"),
     slip("plus the identity", "1 is added on the diagonal", diagonal="shifted"),
     usual("border rows 0", "border vertices do not move", border="zero"),
     usual("border rows and columns 0", "border vertices do not move", border="both"),

@@ -24,7 +24,9 @@ def undefined(case: Case) -> Convention:
     bad = ~case.rows
     if case.wild.any():
         count = f"{int(case.wild.sum())} {plural(case.what)}, first at {int(case.wild.argmax())}"
-        return Convention(f"values without measure at {count}", "memory that was never set to 0", {})
+        return Convention(
+            f"values without measure at {count}", "memory that was never set to 0", {}
+        )
     masks: dict[str, tuple[Bools, str]] = {}
     facts = case.facts
     if facts is not None and len(bad) == facts.n:
@@ -33,15 +35,23 @@ def undefined(case: Case) -> Convention:
         masks = {
             "inside": (inner, "only the branch for the border returns a value"),
             "at the border": (facts.border, "a neighbour or a face that does not exist, or 0/0"),
-            "at flat vertices": (flat, "a division 0/0, such as s/|s| for a sign or v/‖v‖ of a zero vector"),
+            "at flat vertices": (
+                flat,
+                "a division 0/0, such as s/|s| for a sign or v/‖v‖ of a zero vector",
+            ),
             "at flat vertices inside": (flat & inner, "a division 0/0, such as s/|s| for a sign"),
             "at isolated vertices": (facts.degree == 0, "a division by the area or the degree 0"),
-            "where a triangle is obtuse": (facts.obtuse, "the logarithm or root of a negative cotangent"),
+            "where a triangle is obtuse": (
+                facts.obtuse,
+                "the logarithm or root of a negative cotangent",
+            ),
         }
         for name, mask in case.masks.items():
             masks[name] = (mask, "a root of a negative number: clamp it at 0")
         smallest = facts.corner_sizes["smallest angle"]
-        needles = (smallest < np.deg2rad(1.0)) | (facts.corner_sizes["largest angle"] > np.deg2rad(178))
+        needles = (smallest < np.deg2rad(1.0)) | (
+            facts.corner_sizes["largest angle"] > np.deg2rad(178)
+        )
         masks["at needles"] = (needles, "acos of a number just above 1: clamp it, or take atan2")
     for name, (mask, reason) in masks.items():
         if (mask == bad).all():
@@ -50,12 +60,20 @@ def undefined(case: Case) -> Convention:
         if not (bad & ~mask).any():
             return Convention(f"NaN {name}", f"{reason} (at {bad.sum()} of {mask.sum()})", {})
     first = int(np.flatnonzero(bad)[0])
-    return Convention(f"NaN at {int(bad.sum())} of {len(bad)}, first at {first}", "0/0, or a root below 0", {})
+    return Convention(
+        f"NaN at {int(bad.sum())} of {len(bad)}, first at {first}", "0/0, or a root below 0", {}
+    )
 
 
-def difference_in_words(case: Case, trial: Trial, wrong: Bools) -> tuple[str, tuple[Convention, ...]]:
+def difference_in_words(
+    case: Case, trial: Trial, wrong: Bools
+) -> tuple[str, tuple[Convention, ...]]:
     """The wrong values against ours."""
-    given = np.asarray(case.given.todense()) if hasattr(case.given, "todense") else np.asarray(case.given)
+    given = (
+        np.asarray(case.given.todense())
+        if hasattr(case.given, "todense")
+        else np.asarray(case.given)
+    )
     ours = np.asarray(trial.values.todense()) if hasattr(trial.values, "todense") else trial.values
     mine, theirs = ours[wrong], given[wrong]
     if not wrong.any():
@@ -69,11 +87,16 @@ def difference_in_words(case: Case, trial: Trial, wrong: Bools) -> tuple[str, tu
         ratios = flat[filled] / own[filled]
         if np.ptp(ratios) < 1e-4 * abs(ratios[0]):
             name = _number(ratios[0])
-            return f"the values are ours times {name}", (Convention(f"times {name} there", "there", {}),)
+            return f"the values are ours times {name}", (
+                Convention(f"times {name} there", "there", {}),
+            )
     errors = np.where(wrong, trial.error, 0.0)
     worst = int(np.nan_to_num(errors).argmax())
     if given.ndim == 1:
-        return f"the values differ, such as {given[worst]:.4g} for {ours[worst]:.4g} at vertex {worst}", ()
+        return (
+            f"values differ, such as {given[worst]:.4g} for {ours[worst]:.4g} at vertex {worst}",
+            (),
+        )
     return f"the values differ, by up to {errors[worst]:.3g} at vertex {worst}", ()
 
 
@@ -90,7 +113,19 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
     for words, mask in rows:
         for tests, tried in (
             ((_factor, _field, _signs), simple),
-            ((_rounded, _clipped, _rolled, _affine, _monotone, _columns, _directions, _entries_of), near),
+            (
+                (
+                    _rounded,
+                    _clipped,
+                    _rolled,
+                    _affine,
+                    _monotone,
+                    _columns,
+                    _directions,
+                    _entries_of,
+                ),
+                near,
+            ),
         ):
             for trial in tried:
                 for test in tests:
@@ -98,7 +133,9 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
                     if found is None:
                         continue
                     names = f"{naming(trial.conventions)} and " if trial.conventions else ""
-                    kind: Status = "mistake" if found.fault or trial.faults or words else "convention"
+                    kind: Status = (
+                        "mistake" if found.fault or trial.faults or words else "convention"
+                    )
                     start = "mistake" if kind == "mistake" else "right by another convention"
                     text = f"{start}: {names}{found.name} ({found.where}){words}"
                     return measured(case, trial, kind, text, case.table, (found,))
@@ -155,14 +192,17 @@ def _name_of_factor(case: Case, c: float) -> str:
     known = {
         "the area of the mesh": mesh.area, "the mean edge length h": mesh.mean_edge_length,
         "h²": mesh.mean_edge_length**2, "the diagonal of the box": mesh.diagonal,
-        "the number of vertices": float(mesh.n_vertices), "the number of faces": float(mesh.n_faces),
+        "the number of vertices": float(mesh.n_vertices),
+        "the number of faces": float(mesh.n_faces),
         "the area per vertex": mesh.area / mesh.n_vertices,
     }  # fmt: skip
     for text, value in known.items():
         for power, form in ((1, "{}"), (-1, "1 / {}")):
             for k in (1.0, 2.0, 0.5, -1.0):
                 if abs(c - k * value**power) < 3e-5 * abs(c):
-                    return form.format(text) if k == 1 else f"{_number(k)} times {form.format(text)}"
+                    return (
+                        form.format(text) if k == 1 else f"{_number(k)} times {form.format(text)}"
+                    )
     return name
 
 
@@ -204,7 +244,9 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
             if np.ptp(constant) < 1e-3 * abs(np.median(constant)):
                 c = float(np.median(constant))
                 more = "" if abs(c - 1) < 1e-4 else f" (and times {_number(c)})"
-                return Convention(form.format(name) + more, "a factor of its own at each vertex", {})
+                return Convention(
+                    form.format(name) + more, "a factor of its own at each vertex", {}
+                )
     return None
 
 
@@ -220,7 +262,9 @@ def _signs(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     if (given >= 0).all():
         return Convention("absolute value", "the sign is dropped", {})
-    text = f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
+    text = (
+        f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
+    )
     return Convention("right sizes with wrong signs", text, {})
 
 
@@ -231,10 +275,11 @@ def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     for digits in range(7):
         step = 10.0**-digits
-        whole_steps = (np.abs(parts[0] / step - np.round(parts[0] / step)) < 1e-6 * (1 + np.abs(parts[0] / step))).all()
-        if whole_steps and (np.abs(parts[0] - parts[1]) <= 1.01 * step).all():
-            if np.abs(parts[1]).max() > step:
-                return Convention(f"rounded to {digits} decimals", "the file, or integers", {}, digits < 2)
+        steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) <= 1.01 * step
+        whole_steps = np.abs(steps - np.round(steps)) < 1e-6 * (1 + np.abs(steps))
+        if whole_steps.all() and close.all() and np.abs(parts[1]).max() > step:
+            text = f"rounded to {digits} decimals"
+            return Convention(text, "the file, or integers", {}, digits < 2)
     return None
 
 
@@ -247,19 +292,30 @@ def _clipped(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     low, high = given.min(), given.max()
     cut = np.abs(np.clip(ours, low, high) - given) <= tolerance
     if cut.all() and low < high and 0.2 < ((ours > low) & (ours < high)).mean():
-        return Convention(f"cut off at {low:.4g} and {high:.4g}", "values clipped for a picture", {})
+        return Convention(
+            f"cut off at {low:.4g} and {high:.4g}", "values clipped for a picture", {}
+        )
     return None
 
 
 def _rolled(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """Ours at the next vertex."""
     given, ours = case.given, trial.values
-    if hasattr(given, "todense") or given.shape != ours.shape or case.what != "vertex" or not mask.all():
+    if (
+        hasattr(given, "todense")
+        or given.shape != ours.shape
+        or case.what != "vertex"
+        or not mask.all()
+    ):
         return None
     for shift, words in ((1, "later"), (-1, "earlier")):
         moved = np.roll(ours, shift, axis=0)
-        if (row_norm(given - moved) <= np.roll(trial.tolerance, shift))[2:-2].all() and np.ptp(ours) > 0:
-            return Convention(f"moved by one vertex, {words}", "indices from 1, or a line skipped", {})
+        if (row_norm(given - moved) <= np.roll(trial.tolerance, shift))[2:-2].all() and np.ptp(
+            ours
+        ) > 0:
+            return Convention(
+                f"moved by one vertex, {words}", "indices from 1, or a line skipped", {}
+            )
     return None
 
 
@@ -276,8 +332,8 @@ def _affine(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     if abs(a - 1) < 1e-4:
         return Convention(f"plus a constant, {b:.6g}", "an offset", {})
     ends = (round(float(given.min()), 6), round(float(given.max()), 6))
-    return Convention(f"scaled to [{ends[0]:g}, {ends[1]:g}]", f"{a:.4g} times ours plus {b:.4g}: normalised for a "
-                      "picture", {})  # fmt: skip
+    where = f"{a:.4g} times ours plus {b:.4g}: normalised for a picture"
+    return Convention(f"scaled to [{ends[0]:g}, {ends[1]:g}]", where, {})
 
 
 def _monotone(case: Case, trial: Trial, mask: Bools) -> Convention | None:
@@ -293,7 +349,11 @@ def _monotone(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     for sign, words in ((1, "rising"), (-1, "falling")):
         if (sign * steps >= -1e-9 * spread)[gaps].all():
-            return Convention(f"a {words} function of ours", "a logarithm, a root, an equalised histogram or colours", {})
+            return Convention(
+                f"a {words} function of ours",
+                "a logarithm, a root, an equalised histogram or colours",
+                {},
+            )
     return None
 
 
@@ -311,19 +371,32 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
             np.abs(given[:, k] - case.facts.points[mask][:, k]).max() <= tolerance.max()
             for k in range(3) if not good[k]
         )  # fmt: skip
-        return Convention(f"wrong in {wrong} alone", "a coordinate is not moved" if still else "one coordinate", {})
+        return Convention(
+            f"wrong in {wrong} alone",
+            "a coordinate is not moved" if still else "one coordinate",
+            {},
+        )
     for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
         for flip in (1.0, -1.0):
             turned = ours[:, list(order)] * [1.0, flip, 1.0]
             if (row_norm(given - turned) <= 3 * tolerance).all() and informative(trial, mask):
-                return Convention(f"axes in the order {''.join('xyz'[k] for k in order)}", "a file of another tool", {})
+                return Convention(
+                    f"axes in the order {''.join('xyz'[k] for k in order)}",
+                    "a file of another tool",
+                    {},
+                )
     return None
 
 
 def _directions(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """Vectors of the right direction, with other lengths or signs."""
     parts = _entries(case, trial, mask)
-    if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3 or case.quantity != "vertex normals":
+    if (
+        parts is None
+        or parts[0].ndim != 2
+        or parts[0].shape[1] != 3
+        or case.quantity != "vertex normals"
+    ):
         return None
     given, ours, _ = parts
     lengths = row_norm(given)
@@ -334,7 +407,11 @@ def _directions(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     if (cosines > 0).all() or (cosines < 0).all():
         return Convention("right directions, other lengths", "not normalised", {})
-    return Convention("some normals inward", f"{int((cosines < 0).sum())} of {len(cosines)}: not oriented by the faces", {})
+    return Convention(
+        "some normals inward",
+        f"{int((cosines < 0).sum())} of {len(cosines)}: not oriented by the faces",
+        {},
+    )
 
 
 def _entries_of(case: Case, trial: Trial, mask: Bools) -> Convention | None:
@@ -349,14 +426,24 @@ def _entries_of(case: Case, trial: Trial, mask: Bools) -> Convention | None:
 
     for name, part in (("upper", triu), ("lower", tril)):
         if close(given, part(ours)):
-            return Convention(f"{name} triangle only", "each edge is entered once, not for both vertices", {})
+            return Convention(
+                f"{name} triangle only", "each edge is entered once, not for both vertices", {}
+            )
     if close(given, ours.T.tocsr()):
         return Convention("transposed", "rows and columns are exchanged", {})
     own, theirs = ours.diagonal(), given.diagonal()
     if close(given - diags(theirs), ours - diags(own)):
-        known = {"the degree": case.facts.degree, "minus the degree": -case.facts.degree} if case.facts else {}
-        name = next((n for n, d in known.items() if np.abs(theirs - d).max() < 1e-9), "other values")
-        return Convention(f"right but for the diagonal, which has {name}", "the diagonal is the row sum", {})
+        known = (
+            {"the degree": case.facts.degree, "minus the degree": -case.facts.degree}
+            if case.facts
+            else {}
+        )
+        name = next(
+            (n for n, d in known.items() if np.abs(theirs - d).max() < 1e-9), "other values"
+        )
+        return Convention(
+            f"right but for the diagonal, which has {name}", "the diagonal is the row sum", {}
+        )
     return None
 
 
@@ -368,29 +455,37 @@ def _structure(case: Case, base: Trial) -> Iterator[Convention]:
     given, ours, _ = parts
     size = float(np.median(base.size)) or 1.0
     rough = 1e-5 * np.abs(ours).max() + 1e-7 * size
-    if len(given) > 3 and np.ptp(given, axis=0).max() <= 1e-9 * max(size, np.abs(given).max()):
-        if np.abs(given).max() <= 1e-9 * size:
-            yield Convention("0 everywhere", "nothing was added, or an absolute threshold left out "
-                             "every triangle: scale the mesh to see it", {})  # fmt: skip
-        else:
-            yield Convention("the same value everywhere", "a sum over all faces instead of the incident "
-                             "ones, or a mean", {})  # fmt: skip
-    if case.per_corner is not None and case.facts is not None and given.ndim <= 2:
-        if case.rows.all() and _one_face(case, rough):
-            yield Convention("the value of one incident face", "assigned where it must be added: one "
-                             "face of each vertex, the last to be visited, wins", {})  # fmt: skip
+    top = np.abs(given).max()
+    if top <= 1e-9 * size:
+        where = (
+            "nothing was added, or an absolute threshold leaves out every triangle: scale the mesh"
+        )
+        yield Convention("0 everywhere", where, {})
+    elif len(given) > 3 and np.ptp(given, axis=0).max() <= 1e-9 * max(size, top):
+        where = "a sum over all faces in place of the incident ones, or a mean"
+        yield Convention("the same value everywhere", where, {})
+    if case.per_corner is not None and case.rows.all() and _one_face(case, rough):
+        where = "assigned where it must be added: the last face to be visited wins"
+        yield Convention("the value of one incident face", where, {})
     order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (given, ours)]
-    if case.what == "vertex" and len(given) > 3 and np.ptp(ours, axis=0).max() > 100 * rough:
-        if (np.abs(given[order[0]] - ours[order[1]]) <= 3 * rough).all():
-            yield Convention("our values in another order", "vertices were merged, sorted or renumbered", {})
+    close = (np.abs(given[order[0]] - ours[order[1]]) <= 3 * rough).all()
+    if (
+        close
+        and case.what == "vertex"
+        and len(given) > 3
+        and np.ptp(ours, axis=0).max() > 100 * rough
+    ):
+        where = "vertices were merged, sorted or renumbered"
+        yield Convention("our values in another order", where, {})
     shift = np.median(given - ours, axis=0)
     if (row_norm(given - ours - shift) <= 3 * rough).all():
         text = ", ".join(f"{x:.6g}" for x in np.atleast_1d(shift))
-        yield Convention(f"plus a constant, {text}", "an offset: a centre, a mean or a start value", {})
-    if np.abs(given).max() > 0 and (np.abs(given * 6 - np.round(given * 6)) < 1e-6 * np.abs(given)).all():
-        if (np.abs(ours * 6 - np.round(ours * 6)) > 1e-3).any():
-            yield Convention("whole numbers (or thirds)", "indices or counts instead of measures: arguments "
-                             "in the wrong place, or integer division", {})  # fmt: skip
+        yield Convention(f"plus a constant, {text}", "a centre, a mean or a start value", {})
+    sixths, own = given * 6, ours * 6
+    if (np.abs(sixths - np.round(sixths)) < 1e-6 * np.abs(given)).all() and top > 0:
+        where = "indices or counts in place of measures, or integer division"
+        if (np.abs(own - np.round(own)) > 1e-3).any():
+            yield Convention("whole numbers (or thirds)", where, {})
 
 
 def _one_face(case: Case, rough: float) -> bool:
@@ -399,7 +494,7 @@ def _one_face(case: Case, rough: float) -> bool:
     corners = case.per_corner(case.facts)
     given = np.asarray(case.given, dtype=float).reshape(case.facts.n, -1)
     distance = np.full(case.facts.n, np.inf)
-    near = row_norm((corners.reshape(-1, given.shape[1]) - given[case.facts.faces.reshape(-1)]))
+    near = row_norm(corners.reshape(-1, given.shape[1]) - given[case.facts.faces.reshape(-1)])
     np.minimum.at(distance, case.facts.faces.reshape(-1), near)
     return bool((distance[case.facts.degree > 0] <= 3 * rough).all())
 
@@ -408,7 +503,9 @@ def _places(case: Case, trials: list[Trial]) -> Report:
     """Where the difference to the nearest formula begins."""
 
     # Half of the values right outweighs any nearness of the others.
-    ranked = sorted(trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions)))
+    ranked = sorted(
+        trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions))
+    )
     full = (whole(case, t) for t in ranked[:20])
     best = next((t for t in full if informative(t, case.rows)), whole(case, ranked[0]))
     near = f"nearest: {naming(best.conventions)}, right at {100 * best.good.mean():.0f} %"
@@ -421,7 +518,13 @@ def _places(case: Case, trials: list[Trial]) -> Report:
     table = [*case.table, ("nearest", near.removeprefix("nearest: ") + correlation)]
     facts, wrong = case.facts, ~best.good
     place = ""
-    if facts is not None and case.what == "vertex" and len(wrong) == facts.n and wrong.any() and not wrong.all():
+    if (
+        facts is not None
+        and case.what == "vertex"
+        and len(wrong) == facts.n
+        and wrong.any()
+        and not wrong.all()
+    ):
         place = _separating(facts.border, facts.corner_sizes, wrong)
     found: tuple[Convention, ...] = ()
     if place:

@@ -1,4 +1,4 @@
-"""Curvature, areas and normals at vertices: the formulas, and the conventions that people confuse."""
+"""Curvature, areas and normals: the formulas, and the conventions that people confuse."""
 
 from __future__ import annotations
 
@@ -37,29 +37,31 @@ def slip(name: str, where: str, **change: object) -> Convention:
 AREAS = (
     usual("barycentric areas", "the area of a vertex is a third of its faces", area="barycentric"),
     usual("mixed areas", "circumcentric areas with the rule for obtuse triangles", area="mixed"),
-    usual("circumcentric (Voronoi) areas", "circumcentres also in obtuse triangles", area="voronoi"),
-    slip("areas of whole faces", "the third is missing in the area", area="barycentric", area_factor=3.0),
+    usual("circumcentric (Voronoi) areas", "circumcentres also in obtuse triangles",
+          area="voronoi"),
+    slip("areas of whole faces", "the third is missing in the area", area="barycentric",
+         area_factor=3.0),
     usual("two thirds of the faces", "the parallelogram of a face in place of its area",
           area="barycentric", area_factor=2.0),
-    slip("circumcentric areas of absolute cotangents", "the cotangent of an obtuse angle loses its sign",
-         area="absolute voronoi"),
-    slip("areas with triangles outside of the border (own row)", "the outer half-edge of the border is "
-         "taken for a triangle", area="outer own"),
-    slip("areas with triangles outside of the border", "the outer half-edge of the border is taken for a "
-         "triangle, at all its corners", area="outer all"),
-    slip("area of the last face", "the area is assigned, not added: the last face wins", area="last face"),
+    slip("circumcentric areas of absolute cotangents", "the cotangent of an obtuse angle loses its "
+         "sign", area="absolute voronoi"),
+    slip("areas with triangles outside of the border (own row)", "the outer half-edge of the "
+         "border is taken for a triangle", area="outer own"),
+    slip("areas with triangles outside of the border", "the outer half-edge of the border is taken "
+         "for a triangle, at all its corners", area="outer all"),
+    slip("area of the last face", "the area is assigned, not added: the last face wins",
+         area="last face"),
     slip("area of the first face", "the area is assigned at the first face", area="first face"),
-    slip("components of the cross product summed", "x + y + z in place of the norm: changes with the axes",
-         area="components"),
-    slip("absolute components of the cross product summed", "|x| + |y| + |z| in place of the norm: changes "
-         "with the axes", area="absolute components"),
+    slip("components of the cross product summed", "x + y + z in place of the norm: changes with "
+         "the axes", area="components"),
+    slip("absolute components of the cross product summed", "|x| + |y| + |z| in place of the norm: "
+         "changes with the axes", area="absolute components"),
     slip("mean area of the faces", "a mean in place of a third of the sum", area="mean"),
-    slip("the degree in place of the area", "the number of neighbours is divided by", area="degree"),
+    slip("the degree in place of the area", "the number of neighbours is divided by",
+         area="degree"),
 )  # fmt: skip
 
-BORDERS = (
-    usual("0 at the border", "border vertices are left out", border="zero"),
-)
+BORDERS = (usual("0 at the border", "border vertices are left out", border="zero"),)
 
 
 def bordered(facts: Facts, values: Floats, border: str) -> Floats:
@@ -98,7 +100,9 @@ def mean_curvature(
             values = np.abs(values)
         return bordered(facts, factor * values, border), np.abs(factor) * size
     key = ("vector", weights, area, area_factor, measure, side)
-    vector, size = facts.remember(key, lambda: _vector(facts, weights, area, area_factor, measure, side))
+    vector, size = facts.remember(
+        key, lambda: _vector(facts, weights, area, area_factor, measure, side)
+    )
     values = bordered(facts, factor * _read(facts, vector, read, normal), border)
     if read not in ("signed", "uniform sign", "one component", "any component"):
         return values, np.abs(factor) * size
@@ -157,7 +161,7 @@ def _read(facts: Facts, vector: Floats, read: str, normal: str) -> Floats:
 
 
 OUTER = tuple(
-    slip("outer half-edge of the border taken for a triangle", f"the cotangents at the border{more}",
+    slip("outer half-edge of the border taken for a triangle", f"cotangents at the border{more}",
          weights=weights)
     for weights, more in (
         ("outer triangles", ": a triangle with the two neighbours along the border"),
@@ -166,52 +170,60 @@ OUTER = tuple(
         ("outer loop", ": the angle between the edges before and after"),
     )
 ) + (
-    slip("ring of neighbours closed across the border", "the last neighbour is followed by the first",
-         weights="outer ring"),
+    slip("ring of neighbours closed across the border", "the last neighbour is followed by the "
+         "first", weights="outer ring"),
 )  # fmt: skip
 
 WEIGHTS = (
-    usual("uniform weights", "the mean of the neighbours in place of cotangents", weights="uniform"),
-    usual("cotangent weights", "cotangents in place of the mean of the neighbours", weights="cotangent"),
+    usual("uniform weights", "the mean of the neighbours in place of cotangents",
+          weights="uniform"),
+    usual("cotangent weights", "cotangents in place of the mean of the neighbours",
+          weights="cotangent"),
     slip("neighbours counted once for each face", "inner neighbours twice, border ones once",
          weights="faces"),
-    slip("absolute cotangents", "the cosine is made positive: cotangents of obtuse angles lose their sign",
-         weights="absolute"),
-    slip("cotangents of obtuse angles set to 0", "negative cotangents are cut off", weights="clamped"),
+    slip("absolute cotangents", "the cosine is made positive: cotangents of obtuse angles lose "
+         "their sign", weights="absolute"),
+    slip("cotangents of obtuse angles set to 0", "negative cotangents are cut off",
+         weights="clamped"),
     slip("tangent in place of cotangent", "the weight of an edge", weights="tangent"),
-    slip("cotangent of another corner", "the angle at the edge, not the one opposite", weights="swapped"),
-    slip("cotangents at the ends of an edge", "the angles at the edge, not those opposite", weights="ends"),
+    slip("cotangent of another corner", "the angle at the edge, not the one opposite",
+         weights="swapped"),
+    slip("cotangents at the ends of an edge", "the angles at the edge, not those opposite",
+         weights="ends"),
     slip("one of the two angles of an edge", "only one of the two faces adds", weights="one side"),
     usual("weights of inverse lengths", "1 / length of the edge", weights="lengths"),
     *OUTER,
 )  # fmt: skip
 
 MEAN = (
-    Convention("length of the vector, with the sign of its part along the normal", "‖½ M⁻¹ S x‖ in place of "
-               "a scalar product", {"read": "signed"}, fault=False, note=True, base=True),
-    same("length of the vector, with a sign by the mean of the neighbours", "normal · (mean - vertex)",
-         read="uniform sign"),
+    Convention("length of the vector, with the sign of its part along the normal",
+               "‖½ M⁻¹ S x‖ in place of a scalar product", {"read": "signed"}, fault=False,
+               note=True, base=True),
+    same("length of the vector, with a sign by the mean of the neighbours",
+         "normal · (mean - vertex)", read="uniform sign"),
     same("part along the angle-weighted normal", "the weights of the normal", normal="angle"),
-    common("length of the vector, without sign", "‖½ M⁻¹ S x‖ ≥ 0 in place of the part along the normal",
-          read="length"),
+    common("length of the vector, without sign", "‖½ M⁻¹ S x‖ ≥ 0 in place of the part along the "
+           "normal", read="length"),
     usual("part along the equally weighted normal", "the weights of the normal", normal="uniform"),
     usual("absolute value", "the sign of the part along the normal is dropped", read="absolute"),
     usual("the other sign, negative on spheres", "the sign of Δx = -2Hn", factor=-1.0),
-    slip("2H instead of H", "the last ½: Δx = -2Hn", factor=2.0),
+    slip("2H instead of H", "the last ½", factor=2.0),
     slip("H/2 instead of H", "a factor ½ is taken twice", factor=0.5),
     slip("4H instead of H", "two factors ½ are missing", factor=4.0),
-    usual("integrated instead of pointwise", "the division by the area is missing", measure="integrated"),
-    usual("half the sum of length times dihedral angle, twice the integral of H", "H of an edge is shared "
-          "by two vertices: a quarter of the sum is the integral", weights="dihedral",
-          measure="integrated", factor=2.0),
-    usual("dihedral angles in place of the vector", "a quarter of length times dihedral angle over the "
-          "area", weights="dihedral"),
+    usual("integrated instead of pointwise", "the division by the area is missing",
+          measure="integrated"),
+    usual("half the sum of length times dihedral angle, twice the integral of H",
+          "H of an edge is shared by two vertices: a quarter of the sum is the integral",
+          weights="dihedral", measure="integrated", factor=2.0),
+    usual("dihedral angles in place of the vector", "a quarter of length times dihedral angle over "
+          "the area", weights="dihedral"),
     slip("transposed: S M⁻¹ x in place of M⁻¹ S x", "the inverse mass stands on the wrong side",
          side="right"),
-    slip("sign from one component", "the first component of Δx over that of n", read="one component"),
+    slip("sign from one component", "the first component of Δx over that of n",
+         read="one component"),
     slip("positive as soon as one component agrees", "the sign", read="any component"),
-    slip("components of the vector summed", "x + y + z in place of the length: changes with the axes",
-         read="components"),
+    slip("components of the vector summed", "x + y + z in place of the length: changes with the "
+         "axes", read="components"),
     *WEIGHTS, *AREAS, *BORDERS,
 )  # fmt: skip
 
@@ -248,19 +260,20 @@ def gaussian_curvature(
 
 
 GAUSSIAN = (
-    common("2π at the border, too", "the full angle: π is the one of a border vertex", edge=2 * np.pi),
+    common("2π at the border, too", "the full angle: π is the one of a border vertex",
+           edge=2 * np.pi),
     usual("integrated instead of pointwise", "the angle defect is not divided by the area",
           measure="integrated"),
     slip("π everywhere", "the full angle: the test for the border is always true", full=np.pi),
     slip("full angle 0", "the sum of angles is not subtracted from 2π", full=0.0, edge=0.0),
-    slip("ring of neighbours closed across the border", "the angle and the area of a triangle that does "
-         "not exist", ring="area", edge=2 * np.pi),
-    slip("ring of neighbours closed across the border, π", "the angle and the area of a triangle that does "
-         "not exist", ring="area"),
-    slip("ring closed across the border (angle only)", "the angle of a triangle that does not exist",
-         ring="angle", edge=2 * np.pi),
-    slip("ring closed across the border (angle only), π", "the angle of a triangle that does not exist",
-         ring="angle"),
+    slip("ring of neighbours closed across the border", "the angle and the area of a triangle that "
+         "does not exist", ring="area", edge=2 * np.pi),
+    slip("ring of neighbours closed across the border, π", "the angle and the area of a triangle "
+         "that does not exist", ring="area"),
+    slip("ring closed across the border (angle only)", "the angle of a triangle that does not "
+         "exist", ring="angle", edge=2 * np.pi),
+    slip("ring closed across the border (angle only), π", "the angle of a triangle that does not "
+         "exist", ring="angle"),
     slip("degrees", "the angles", factor=180 / np.pi),
     slip("2π minus degrees", "the angles are in degrees, the full angle is not", unit="mixed"),
     slip("the other sign", "sum of angles minus 2π", factor=-1.0),
@@ -306,8 +319,9 @@ def principal_curvatures(
 PRINCIPAL = (
     usual("smallest first", "the order of the two", order="ascending"),
     usual("largest absolute value first", "the order of the two", order="magnitude"),
-    slip("half the sum of length times dihedral angle for H, doubled", "H of the dihedral angles is "
-         "twice too large, over the area", weights="dihedral", factor=2.0),
+    slip("half the sum of length times dihedral angle for H, doubled",
+         "H of the dihedral angles is twice too large, over the area", weights="dihedral",
+         factor=2.0),
     slip("integrated H and K", "neither is divided by the area", measure="integrated"),
     slip("integrated H and K, H of dihedral angles doubled", "neither is divided by the area",
          measure="integrated", weights="dihedral", factor=2.0),
@@ -348,7 +362,12 @@ MASS = (
 
 
 def vertex_normals(
-    facts: Facts, *, weight: str = "area", length: str = "unit", factor: float = 1.0, border: str = ""
+    facts: Facts,
+    *,
+    weight: str = "area",
+    length: str = "unit",
+    factor: float = 1.0,
+    border: str = "",
 ) -> Answer:
     """Outward unit normals, and variants; (n, 3)."""
     if weight == "mean curvature":
@@ -388,7 +407,8 @@ NORMALS = (
     slip("mean of unit normals, not normalised", "the last division by the length is missing",
          weight="uniform", length="mean"),
     slip("not normalised", "the last division by the length is missing", length="sum"),
-    slip("mean, not normalised", "divided by the number of faces, not by the length", length="mean"),
+    slip("mean, not normalised", "divided by the number of faces, not by the length",
+         length="mean"),
     slip("divided by the squared length", "the norm", length="square"),
     slip("divided by the largest component", "the norm", length="largest"),
     slip("sum over all faces at every vertex", "no test whether a face is incident", weight="all"),

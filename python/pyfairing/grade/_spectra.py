@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ DENSE = 1500
 def pairs(
     facts: Facts, k: int, weights: str = "cotangent", mass: str = "barycentric"
 ) -> tuple[Floats, Floats, list[range]]:
-    """The k smallest eigenvalues, modes and clusters; up to eight more, to complete the last cluster."""
+    """The k smallest eigenvalues, modes and clusters; up to eight more complete the last."""
     key = ("pairs", weights, mass, min(k + 8, facts.n))
     found: tuple[Floats, Floats, list[range]] = facts.remember(
         key, lambda: _pairs(facts, min(k + 8, facts.n), weights, mass)
@@ -44,11 +45,12 @@ def _pairs(facts: Facts, k: int, weights: str, mass: str) -> tuple[Floats, Float
     values, modes = values[:k], modes[:, :k]
     gap = np.diff(values) > 1e-6 * (np.abs(values[1:]) + 1e-3 * np.abs(values).max())
     starts = [0, *(np.flatnonzero(gap) + 1), len(values)]
-    return values, modes, [range(a, b) for a, b in zip(starts[:-1], starts[1:])]
+    return values, modes, [range(a, b) for a, b in pairwise(starts)]
 
 
 def mass_of(facts: Facts, mass: str) -> Any:
-    return facts.remember(("mass", mass), lambda: facts.mesh.laplacian("cotangent", mass).mass)  # type: ignore[arg-type]
+    kind: Any = mass
+    return facts.remember(("mass", mass), lambda: facts.mesh.laplacian("cotangent", kind).mass)
 
 
 def eigenvalues(
@@ -90,7 +92,8 @@ PROBLEM = (
     usual("consistent mass", "M of finite elements, not lumped", mass="consistent"),
     slip("no mass: the standard problem", "S φ = ω φ in place of S φ = ω M φ", mass="unit"),
     usual("graph Laplacian, no mass", "D - W with equal weights", weights="uniform", mass="unit"),
-    usual("random walk Laplacian", "D⁻¹ (D - W) with equal weights", weights="uniform", mass="degree"),
+    usual("random walk Laplacian", "D⁻¹ (D - W) with equal weights", weights="uniform",
+          mass="degree"),
     slip("absolute cotangents", "cotangents of obtuse angles lose their sign", weights="absolute"),
     slip("tangent in place of cotangent", "the weight of an edge", weights="tangent"),
     slip("one of the two angles of an edge", "only one of the two faces adds", weights="one side"),
@@ -112,7 +115,8 @@ EIGENVALUES = (
     slip("inverse values", "the operator was inverted: 1 / ω", power=-1.0),
     slip("squared", "singular values, or L twice", power=2.0),
     usual("times the area of the mesh", "ShapeDNA's normalisation", total=True),
-    slip("the largest eigenvalues", "the end of the spectrum that the solver returned", end="largest"),
+    slip("the largest eigenvalues", "the end of the spectrum that the solver returned",
+         end="largest"),
     *PROBLEM,
 )  # fmt: skip
 
@@ -136,7 +140,9 @@ def modes(
         raise ValueError("too few vertices")
     _, phi, clusters = pairs(facts, first + k, weights, mass)
     m = mass_of(facts, mass)
-    weight = facts.area("barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed"))
+    weight = facts.area(
+        "barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed")
+    )
     column = given[::-1].T if order == "descending" else given.T
     # Modes that were not mapped back are M^scale φ.
     own = column * weight[:, None] ** -scale if scale else column
@@ -180,7 +186,9 @@ def lengths(facts: Facts, given: Floats) -> tuple[str, Convention | None]:
     ):  # fmt: skip
         if (np.abs(weighted - wanted) < 1e-3 * wanted).all():
             return name, convention
-    return "of no common length (the scale of a mode is free)", same("scaled", "the scale of each mode")
+    return "of no common length (the scale of a mode is free)", same(
+        "scaled", "the scale of each mode"
+    )
 
 
 def reconstruction(
@@ -221,16 +229,19 @@ def reconstruction(
 
 RECONSTRUCTION = (
     slip("no mass in the projection", "φᵀ x in place of φᵀ M x", project="none"),
-    slip("unit modes, no mass in the projection", "modes of M⁻¹S taken for orthonormal", project="unit"),
-    slip("unit modes, projected with the mass", "the modes are not orthonormal in M", project="unit mass"),
+    slip("unit modes, no mass in the projection", "modes of M⁻¹S taken for orthonormal",
+         project="unit"),
+    slip("unit modes, projected with the mass", "the modes are not orthonormal in M",
+         project="unit mass"),
     slip("modes divided by the squared norm, not the norm", "the normalisation of each mode",
          project="squared norm"),
-    usual("least squares in place of the projection with the mass", "the pseudo-inverse of the modes",
-          project="least squares"),
+    usual("least squares in place of the projection with the mass",
+          "the pseudo-inverse of the modes", project="least squares"),
     slip("one mode too many", "k + 1 modes", more=1),
     slip("one mode too few", "k - 1 modes", more=-1),
     slip("the constant mode is missing", "centred at the origin", first=1),
-    slip("k modes without the constant one", "the modes 1 ... k in place of 0 ... k - 1", first=1, more=1),
+    slip("k modes without the constant one", "the modes 1 ... k in place of 0 ... k - 1", first=1,
+         more=1),
     slip("the k largest modes", "the end of the spectrum that the solver returned", end="largest"),
     slip("times 2", "a factor of the modes", factor=2.0),
     slip("half the size", "a factor of the modes", factor=0.5),
