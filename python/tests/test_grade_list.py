@@ -231,6 +231,7 @@ LAPLACIAN: list[Case] = [
     ("divided by the sum", lambda s: -s.s() / s.s().diagonal()[:, None], "convention", "divided by the diagonal"),
     ("M⁻¹S", lambda s: s.s() / s.barycentric()[:, None], "convention", "rows divided by the area"),
     ("-M⁻¹S", lambda s: -s.s() / s.barycentric()[:, None], "convention", "rows divided by the area"),
+    ("-M⁻¹S, ½ missing, circumcentric", lambda s: -2 * s.s() / s.circumcentric()[:, None], "mistake", "½ missing"),
     ("symmetric form", lambda s: s.s() / np.sqrt(np.outer(s.barycentric(), s.barycentric())), "convention", "symmetric"),
     ("symmetric form multiplied", lambda s: laplace(s.weights() * np.sqrt(np.outer(s.barycentric(), s.barycentric()))),
      "mistake", "multiplied by"),

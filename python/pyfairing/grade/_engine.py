@@ -79,7 +79,13 @@ class Trial:
 def row_norm(values: Any) -> Floats:
     """The length of each row; for matrices the largest entry."""
     if hasattr(values, "tocsr"):
-        return np.asarray(abs(values).max(axis=1).toarray()).reshape(-1)
+        rows = values.tocsr()
+        largest: Floats = np.zeros(rows.shape[0])
+        filled = np.diff(rows.indptr) > 0
+        if filled.any():
+            starts = rows.indptr[:-1][filled]
+            largest[filled] = np.maximum.reduceat(np.abs(rows.data), starts)
+        return largest
     if values.ndim == 1:
         return np.asarray(np.abs(values))
     if values.ndim == 2 and values.shape[1] > 6:
@@ -129,9 +135,9 @@ def compared(
             sizes = np.abs(case.given)
             unsigned = np.minimum(np.abs(sizes - np.abs(values)), sizes)
             difference = np.where(free, unsigned, difference)
-        tolerance = RELATIVE * row_norm(values) + ROUNDING * np.abs(size)
-        good = (difference <= tolerance) & np.isfinite(tolerance)
         own = row_norm(values)
+        tolerance = RELATIVE * own + ROUNDING * np.abs(size)
+        good = (difference <= tolerance) & np.isfinite(tolerance)
         relative = difference / (own + 1e-3 * np.median(own) + 1e-300)
         median = float(np.median(np.nan_to_num(relative[case.rows], nan=np.inf)))
     return Trial(
@@ -143,9 +149,10 @@ def combined(case: Case, count: int) -> Iterator[Trial]:
     """All combinations of so many conventions; pairs that do not fit keep no values."""
     closed = case.facts is not None and not case.facts.border.any()
     tried = [c for c in case.conventions if not (closed and "border" in c.change)]
-    beside = [()] + [(c,) for c in tried if c.base] if count > 1 else [()]
+    common = [c for c in tried if c.base]
+    beside = [b for size in range(3) for b in combinations(common, size)] if count > 1 else [()]
     for base, chosen in product(beside, combinations(tried, count)):
-        if base and base[0] in chosen:
+        if any(c in chosen for c in base):
             continue
         conventions = base + chosen
         trial = attempt(case, conventions)

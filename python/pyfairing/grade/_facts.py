@@ -148,7 +148,10 @@ class Facts:
         return np.asarray(self.adjacency.sum(axis=1)).reshape(-1).astype(np.float64)
 
     def diagonal(self, values: Floats) -> Csr:
-        return self.matrix(np.arange(self.n), np.arange(self.n), values)
+        from scipy.sparse import csr_matrix
+
+        places = np.arange(self.n + 1, dtype=np.int32)
+        return csr_matrix((values, places[:-1], places), shape=(self.n, self.n))
 
     def weighted(self, corner_weights: Floats, faces: Integers | None = None) -> Csr:
         """Row sums minus weights, each corner's weight on the opposite edge: D - W."""
