@@ -197,7 +197,7 @@ def judge(case: Case) -> Report:
     trials: list[Trial] = []
     for count in range(3 if case.pairs else 2):
         new = list(combined(case, count))
-        fits = [t for t in new if t.good.all()]
+        fits = [t for t in new if t.good.all() and informative(case, t, case.rows)]
         if fits:
             return explained(case, fits)
         trials += new
@@ -218,7 +218,7 @@ def judge(case: Case) -> Report:
 def rounds(case: Case, trial: Trial) -> bool:
     """True if the difference is that of single precision."""
     with np.errstate(invalid="ignore"):
-        good = trial.error <= 30 * trial.tolerance + SINGLE * trial.size
+        good = trial.error <= 3 * trial.tolerance + SINGLE * trial.size
     small = np.median(row_norm(trial.values)) > 100 * SINGLE * np.median(trial.size)
     return bool((good | ~case.rows).all() and small)
 
@@ -317,7 +317,7 @@ def partly(case: Case, trials: list[Trial]) -> Report | None:
         if not region.any() or rest.sum() < max(4, 0.02 * facts.n):
             continue
         telling = [whole(case, t) for t in trials if t.good[rest].all()]
-        telling = [t for t in telling if informative(t, rest)]
+        telling = [t for t in telling if informative(case, t, rest)]
         if not telling:
             continue
         best = min(telling, key=lambda t: (len(t.conventions) + t.faults, -int(t.good.sum())))
@@ -329,10 +329,13 @@ def partly(case: Case, trials: list[Trial]) -> Report | None:
     return None
 
 
-def informative(trial: Trial, rest: Bools) -> bool:
-    """False if the values compared are zero, which any factor explains."""
-    size = row_norm(trial.values)[rest]
-    return bool((size > trial.tolerance[rest]).any()) or not trial.conventions
+def informative(case: Case, trial: Trial, rest: Bools) -> bool:
+    """False if what is compared is zero, or below the tolerance: any factor explains that."""
+    if not trial.conventions:
+        return True
+    tolerance = trial.tolerance[rest]
+    sizes = (row_norm(values)[rest] for values in (trial.values, case.given))
+    return all(bool((size > tolerance).any()) for size in sizes)
 
 
 def _partly(case: Case, best: Trial, kind: Status, words: str, region: Bools) -> Report:

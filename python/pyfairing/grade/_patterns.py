@@ -30,7 +30,9 @@ def undefined(case: Case) -> Convention:
     masks: dict[str, tuple[Bools, str]] = {}
     facts = case.facts
     if facts is not None and len(bad) == facts.n:
-        flat = row_norm(case.formula(facts)[0]) <= 1e-9 * np.median(np.abs(case.formula(facts)[1]))
+        matrix = facts.stiffness()
+        scale = matrix.diagonal() * facts.mesh.mean_edge_length
+        flat = row_norm(np.asarray(matrix @ facts.points)) <= 1e-9 * np.abs(scale)
         inner = ~facts.border
         masks = {
             "inside": (inner, "only the branch for the border returns a value"),
@@ -56,9 +58,10 @@ def undefined(case: Case) -> Convention:
     for name, (mask, reason) in masks.items():
         if (mask == bad).all():
             return Convention(f"NaN {name}", reason, {})
-    for name, (mask, reason) in masks.items():
-        if not (bad & ~mask).any():
-            return Convention(f"NaN {name}", f"{reason} (at {bad.sum()} of {mask.sum()})", {})
+    around = [(int(m.sum()), n) for n, (m, _) in masks.items() if not (bad & ~m).any()]
+    if around and min(around)[0] <= 4 * bad.sum():
+        size, name = min(around)
+        return Convention(f"NaN {name}", f"{masks[name][1]} (at {bad.sum()} of {size})", {})
     first = int(np.flatnonzero(bad)[0])
     return Convention(
         f"NaN at {int(bad.sum())} of {len(bad)}, first at {first}", "0/0, or a root below 0", {}
@@ -164,6 +167,8 @@ def _entries(case: Case, trial: Trial, mask: Bools) -> tuple[Floats, Floats, Flo
 
 def _factor(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """A constant factor, with a name if it is a known one."""
+    if not np.isfinite(trial.tolerance[mask]).all():
+        return None
     if hasattr(case.given, "todense"):
         given, ours = case.given[mask].tocsr(), trial.values.tocsr()[mask]
         square = ours.multiply(ours).sum()
@@ -177,7 +182,7 @@ def _factor(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         square = float((ours**2).sum())
         c = float((given * ours).sum() / square) if square > 0 else 1.0
         error, scale = row_norm(given - c * ours), row_norm(ours)
-    if abs(c) < 1e-12 or abs(c - 1) < 1e-4 or not informative(trial, mask) or len(scale) < 4:
+    if abs(c) < 1e-12 or abs(c - 1) < 1e-4 or not informative(case, trial, mask) or len(scale) < 4:
         return None
     if not (error <= 3 * RELATIVE * abs(c) * (scale + np.median(scale))).all():
         return None
@@ -209,7 +214,12 @@ def _name_of_factor(case: Case, c: float) -> str:
 def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """A known field of the vertices as a factor, up to a constant."""
     parts, facts = _entries(case, trial, mask), case.facts
-    if parts is None or facts is None or len(case.rows) != facts.n:
+    if (
+        not np.isfinite(trial.tolerance[mask]).all()
+        or parts is None
+        or facts is None
+        or len(case.rows) != facts.n
+    ):
         return None
     given, ours, tolerance = parts
     one, other = (x.reshape(len(x), -1) for x in (given, ours))
@@ -218,6 +228,8 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     if clear.sum() < max(4, 0.5 * len(clear)):
         return None
     ratio = (one * other).sum(axis=1)[clear] / square[clear]
+    if not ratio.any():
+        return None
     off = row_norm(one[clear] - ratio[:, None] * other[clear])
     absent = (row_norm(one) > 100 * tolerance) & ~clear & (square == 0)
     if absent.any() or not (off <= 1e-4 * row_norm(one[clear]) + 30 * tolerance[clear]).all():
@@ -241,7 +253,8 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
                             (-0.5, "divided by √ of {}"), (2, "times {}, squared"),
                             (-2, "divided by {}, squared")):  # fmt: skip
             constant = ratio / values**power
-            if np.ptp(constant) < 1e-3 * abs(np.median(constant)):
+            spread = np.ptp(constant) / (abs(np.median(constant)) or np.inf)
+            if spread < min(1e-4, 0.05 * np.ptp(values**power) / np.median(values**power)):
                 c = float(np.median(constant))
                 more = "" if abs(c - 1) < 1e-4 else f" (and times {_number(c)})"
                 return Convention(
@@ -275,9 +288,9 @@ def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     for digits in range(7):
         step = 10.0**-digits
-        steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) <= 1.01 * step
+        steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) < step
         whole_steps = np.abs(steps - np.round(steps)) < 1e-6 * (1 + np.abs(steps))
-        if whole_steps.all() and close.all() and np.abs(parts[1]).max() > step:
+        if whole_steps.all() and close.all() and np.ptp(parts[0]) > 0:
             text = f"rounded to {digits} decimals"
             return Convention(text, "the file, or integers", {}, digits < 2)
     return None
@@ -379,7 +392,7 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
         for flip in (1.0, -1.0):
             turned = ours[:, list(order)] * [1.0, flip, 1.0]
-            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(trial, mask):
+            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(case, trial, mask):
                 return Convention(
                     f"axes in the order {''.join('xyz'[k] for k in order)}",
                     "a file of another tool",
@@ -507,7 +520,7 @@ def _places(case: Case, trials: list[Trial]) -> Report:
         trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions))
     )
     full = (whole(case, t) for t in ranked[:20])
-    best = next((t for t in full if informative(t, case.rows)), whole(case, ranked[0]))
+    best = next((t for t in full if informative(case, t, case.rows)), whole(case, ranked[0]))
     near = f"nearest: {naming(best.conventions)}, right at {100 * best.good.mean():.0f} %"
     correlation = ""
     values, given = best.values, case.given

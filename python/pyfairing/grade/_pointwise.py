@@ -264,6 +264,9 @@ GAUSSIAN = (
            edge=2 * np.pi),
     usual("integrated instead of pointwise", "the angle defect is not divided by the area",
           measure="integrated"),
+    slip("the other sign", "sum of angles minus 2π", factor=-1.0),
+    slip("twice K", "a factor 2", factor=2.0),
+    slip("half of K", "a factor ½", factor=0.5),
     slip("π everywhere", "the full angle: the test for the border is always true", full=np.pi),
     slip("full angle 0", "the sum of angles is not subtracted from 2π", full=0.0, edge=0.0),
     slip("ring of neighbours closed across the border", "the angle and the area of a triangle that "
@@ -276,9 +279,6 @@ GAUSSIAN = (
          "exist", ring="angle"),
     slip("degrees", "the angles", factor=180 / np.pi),
     slip("2π minus degrees", "the angles are in degrees, the full angle is not", unit="mixed"),
-    slip("the other sign", "sum of angles minus 2π", factor=-1.0),
-    slip("twice K", "a factor 2", factor=2.0),
-    slip("half of K", "a factor ½", factor=0.5),
     slip("three times the value", "the third in the area is a factor", factor=3.0),
     *AREAS, *BORDERS,
 )  # fmt: skip
