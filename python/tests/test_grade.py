@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import csv
+import doctest
+import inspect
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -360,6 +363,19 @@ def test_questions_of_the_command(
         which = "noisy.ply" if question == "q7" else "patch.ply"
         status = main([question, str(tmp_path / which), str(tmp_path / file), *options])
         assert status == 0, (question, file, capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("name", [n for n in grade.__all__ if n[0].islower()])
+def test_functions_are_documented(name: str) -> None:
+    text = inspect.getdoc(getattr(grade, name)) or ""
+    assert "Parameters\n----------\n" in text
+    for parameter in inspect.signature(getattr(grade, name)).parameters:
+        assert re.search(rf"^(\w+, )*{parameter}(, \w+)* :", text, re.M), (name, parameter)
+
+
+def test_examples_of_docstrings() -> None:
+    for module in (grade, grade._invariance):
+        assert doctest.testmod(module).failed == 0
 
 
 COURSE = sorted((Path(__file__).resolve().parents[2] / "docs" / "course").glob("**/q*.py"))
