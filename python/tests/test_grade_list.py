@@ -330,7 +330,7 @@ MEAN: list[Case] = [
         (s.normals() * (s.uniform() @ s.v)).sum(axis=1) > 0, -1, 1), "right", ""),
     ("-2H", lambda s: -2 * s.h(), "mistake", "2H instead of H"),
     ("2H without sign", lambda s: 2 * abs(s.h()), "mistake", "2H instead of H"),
-    ("vector 2Hn", lambda s: 2 * s.vector(), "mistake", "2H instead of H"),
+    ("vector 2Hn", lambda s: 2 * s.vector(), "convention", "2Hn"),
     ("sign of one component", one_component, "mistake", "one component"),
     ("sign of any component", lambda s: np.linalg.norm(s.vector(), axis=1) * np.where(
         (s.vector() * s.normals() > 0).any(axis=1), 1, -1), "mistake", "as soon as one component"),
@@ -472,7 +472,7 @@ IMPLICIT: list[Case] = [
     ("in place", lambda s: in_place(s), "mistake", "in place"),
     ("centred", lambda s: implicit(s, s.uniform(), LAM, 3) - implicit(s, s.uniform(), LAM, 3).mean(axis=0), "convention",
      "centred"),
-    ("λ from two numbers", lambda s: implicit(s, s.uniform(), 0.3 * LAM, 3), "mistake", "λ times 0.3"),
+    ("λ from two numbers", lambda s: implicit(s, s.uniform(), 0.3 * LAM, 3), "convention", "λ times 0.3"),
     ("explicit", lambda s: explicit(s, s.uniform(), LAM, 3), "mistake", "explicit"),
     ("one step too many", lambda s: implicit(s, s.uniform(), LAM, 4), "mistake", "one step too many"),
 ]  # fmt: skip
@@ -521,9 +521,9 @@ CLOSED: list[tuple[str, Callable[[Student], grade.Report], str, str]] = [
     ("noise of other axes", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.roll(np.ptp(s.v, axis=0), 1)
      * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "mistake", "other axes"),
     ("noise times extent", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.ptp(s.v, axis=0)
-     * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "mistake", "extent of each axis"),
+     * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "convention", "extent of each axis"),
     ("noise times diagonal", lambda s: grade.noise(s.mesh, s.v + 0.1 * s.mesh.diagonal
-     * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "mistake", "diagonal"),
+     * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "convention", "diagonal"),
     ("noise σ²", lambda s: grade.noise(s.mesh, s.v + 0.01 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),
      "mistake", "σ²"),
     ("noise", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),

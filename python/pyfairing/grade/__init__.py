@@ -79,10 +79,12 @@ def mean_curvature(mesh: Mesh, H: Any, weights: Weights = "cotangent") -> Report
         minus the vertex.
     """
     values = _inputs.loaded(H, "H")
-    table = []
+    table, conventions = [], _pointwise.MEAN
     if values.shape == (mesh.n_vertices, 3):
         values = np.linalg.norm(values, axis=1)
         table.append(("vectors", "judged by their length"))
+        vector = _pointwise.usual("the vector 2Hn", "Δx = -2Hn in place of H", factor=2.0)
+        conventions = (vector, *conventions)
     formula = partial(_pointwise.mean_curvature, weights=weights)
     name = f"mean curvature H ({weights} weights)"
     return judge(
@@ -91,9 +93,8 @@ def mean_curvature(mesh: Mesh, H: Any, weights: Weights = "cotangent") -> Report
             _inputs.scalars(values, mesh, "H"),
             Facts(mesh),
             formula,
-            _pointwise.MEAN,
+            conventions,
             table=table,
-            per_corner=None,
         )
     )
 
@@ -565,13 +566,15 @@ def heat(mesh: Mesh, temperatures: Any, start: npt.ArrayLike, time: float) -> Re
     """
     given = _inputs.scalars(temperatures, mesh, "temperatures")
     u = _inputs.scalars(start, mesh, "start")
+    dirac = _pointwise.usual("a Dirac of unit heat", "(M + tS) u = u₀", right="none")
+    conventions = ((dirac,) if np.count_nonzero(u) == 1 else ()) + _flows.HEAT
     return judge(
         Case(
             "heat",
             given,
             Facts(mesh),
             lambda facts, **c: _flows.heat(facts, u, float(time), **c),
-            _flows.HEAT,
+            conventions,
         )
     )
 

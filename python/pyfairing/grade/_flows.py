@@ -120,7 +120,7 @@ SMOOTHED = (
     usual("λ halved (moved by Hn in place of 2Hn)", "the step, or a factor of the operator",
           step=0.5),
     slip("-λ", "the sign of the operator: it roughens", step=-1.0),
-    slip("λ = 1", "the step is fixed", unit="one"),
+    usual("λ = 1", "the step is fixed", unit="one"),
     usual("λ times h²", "the step is in squared mean edge lengths", unit="h²"),
     usual("λ over h²", "the step is in mesh units", unit="1/h²"),
     usual("area kept up to date", "M follows the moving mesh, S does not", update="mass"),
@@ -270,9 +270,11 @@ def other_step(case: Case, asked: str) -> Report | None:
         best = trial((low + high) / 2, method)
         if best is not None and (best.error <= 30 * best.tolerance)[case.rows].all():
             c = float(np.exp((low + high) / 2))
-            found = slip(f"λ times {c:.5g}", "the step, or a factor of the operator")
-            other = "" if method == asked else f"{method} steps with "
-            return measured(
-                case, best, "mistake", f"mistake: {other}{found.name}", case.table, (found,)
-            )
+            found = usual(f"λ times {c:.5g}", "another step, or a factor of the operator")
+            if method == asked:
+                text = f"right by another step: {found.name}"
+                return measured(case, best, "convention", text, case.table, (found,))
+            other = next(x for x in SMOOTHED if x.change == {"method": method})
+            text = f"mistake: {other.name}, with {found.name}"
+            return measured(case, best, "mistake", text, case.table, (other, found))
     return None

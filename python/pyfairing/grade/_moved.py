@@ -132,42 +132,43 @@ def noise(
         ("standard deviation", ", ".join(f"{s:.4g}" for s in spread) + f" of {wanted:.4g}"),
         ("mean", ", ".join(f"{m:.3g}" for m in mean)),
     )
-    extent = np.ptp(mesh.vertices, axis=0)
-    margin, found = 5 / np.sqrt(2 * n), []
-    flat = (
-        float(((values - mean) ** 4).mean() / ((values - mean) ** 2).mean() ** 2)
-        if spread.any()
-        else 0.0
-    )
     if not spread.any():
-        found.append(Convention("no noise", "the positions are those of the mesh", {}))
-    elif (np.abs(mean) > 5 * spread / np.sqrt(n)).any():
-        found.append(
-            Convention("biased", "the mean of the noise is not 0, as for numbers in [0, 1)", {})
-        )
-    if spread.any() and flat < 2.2:
+        none = Convention("no noise", "the positions are those of the mesh", {})
+        return Report(name, "mistake", f"mistake: {none.name}", (none,), table=table)
+    found: list[Convention] = []
+    if (np.abs(mean) > 5 * spread / np.sqrt(n)).any():
+        found.append(Convention("biased", "its mean is not 0, as for numbers in [0, 1)", {}))
+    if ((values - mean) ** 4).mean() < 2.2 * ((values - mean) ** 2).mean() ** 2:
         found.append(Convention("uniform, not Gaussian", "the distribution", {}))
-    candidates = {
-        "": np.ones(3), "σ² for σ": np.full(3, wanted),
-        "σ times the diagonal": np.full(3, mesh.diagonal),
-        "σ times the extent of each axis": extent,
-        "σ times the mean edge length": np.full(3, mesh.mean_edge_length), "2σ": np.full(3, 2.0),
-        "σ in hundredths of the extent of each axis": extent / 100, "σ/2": np.full(3, 0.5),
-        "σ times the extents of other axes": np.roll(extent, 1), "σ/√3": np.full(3, 3**-0.5),
-        "σ/√3 (uniform in ±σ)": np.full(3, 3**-0.5), "σ/√12 (uniform in an interval of σ)":
-        np.full(3, 12**-0.5),
-    }  # fmt: skip
-    ratio = spread / wanted
-    label = next(
-        (text for text, c in candidates.items()
-         if (np.abs(ratio / (c[:1] if by_normals else c) - 1) < margin).all()), None,
-    )  # fmt: skip
-    if spread.any() and label is None:
-        found.append(Convention(f"σ times {ratio.mean():.3g}", "the level", {}))
-    elif label and spread.any():
-        found.append(Convention(label, "the level", {}))
-    status: Status = "mistake" if found else "right"
+    level = _level(mesh, spread / wanted, wanted, 5 / np.sqrt(2 * n))
+    found += [level] if level is not None else []
     names = " and ".join(c.name for c in found)
-    return Report(
-        name, status, f"mistake: {names}" if found else "right", tuple(found), table=table
+    if not found:
+        return Report(name, "right", "right", table=table)
+    if any(c.fault for c in found):
+        return Report(name, "mistake", f"mistake: {names}", tuple(found), table=table)
+    text = f"right by another convention: {names}"
+    return Report(name, "convention", text, tuple(found), table=table)
+
+
+def _level(mesh: Mesh, ratio: Floats, wanted: float, margin: float) -> Convention | None:
+    """The factor of the standard deviation, None if it is 1."""
+    extent, one = np.ptp(mesh.vertices, axis=0), np.ones(3)
+    candidates = (
+        ("", one, False),
+        ("σ times the diagonal", mesh.diagonal * one, False),
+        ("σ times the mean edge length", mesh.mean_edge_length * one, False),
+        ("σ times the extent of each axis", extent, False),
+        ("σ in hundredths of the extent of each axis", extent / 100, False),
+        ("σ times the extents of other axes", np.roll(extent, 1), True),
+        ("σ times the extents of other axes", np.roll(extent, 2), True),
+        ("σ² for σ", wanted * one, True),
+        ("2σ", 2 * one, True),
+        ("σ/2", one / 2, True),
+        ("σ/√3, as for numbers in [-σ, σ]", 3**-0.5 * one, True),
+        ("σ/√12, as for numbers in an interval of σ", 12**-0.5 * one, True),
     )
+    for text, factor, fault in candidates:
+        if (np.abs(ratio / factor[: len(ratio)] - 1) < margin).all():
+            return Convention(text, "the level", {}, fault) if text else None
+    return Convention(f"σ times {ratio.mean():.3g}", "the level", {})
