@@ -259,7 +259,7 @@ def other_step(case: Case, asked: str) -> Report | None:
         found = trial(log, method)
         return float("inf") if found is None else float((found.error[case.rows] ** 2).mean())
 
-    for method in ("explicit", "implicit"):
+    for method in sorted(("explicit", "implicit"), key=lambda m: m != asked):
         grid = np.linspace(-5, 5, 41)
         at = int(np.argmin([distance(x, method) for x in grid]))
         low, high = grid[max(at - 1, 0)], grid[min(at + 1, 40)]

@@ -290,7 +290,7 @@ def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         step = 10.0**-digits
         steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) < step
         whole_steps = np.abs(steps - np.round(steps)) < 1e-6 * (1 + np.abs(steps))
-        if whole_steps.all() and close.all() and np.ptp(parts[0]) > 0:
+        if whole_steps.all() and close.all() and np.ptp(parts[0]) > 0.5 * step:
             text = f"rounded to {digits} decimals"
             return Convention(text, "the file, or integers", {}, digits < 2)
     return None

@@ -352,12 +352,12 @@ def mass(
 
 
 MASS = (
-    *AREAS, *BORDERS,
     slip("inverse areas", "1 / A in place of A", power=-1.0),
     slip("roots of areas", "√A in place of A", power=0.5),
     usual("areas that sum to 1", "normalised", total="one"),
     usual("areas with mean 1", "normalised", total="n"),
     slip("one sixth of the faces", "half of the third", area_factor=0.5),
+    *AREAS, *BORDERS,
 )  # fmt: skip
 
 
