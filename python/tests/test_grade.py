@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyfairing as pf
 import pytest
 import scipy.io
 import scipy.sparse
-
-import pyfairing as pf
 from pyfairing import grade
 from pyfairing.grade.__main__ import main
 

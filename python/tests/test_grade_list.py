@@ -1,6 +1,6 @@
 """What is handed in, written out as students write it, and the name that the judge gives to it.
 
-Answers come from loops over faces and neighbours of this file, not from the formulas of the judge.
+Answers come from the loops of test_grade_students.py, not from the formulas of the judge.
 """
 
 from __future__ import annotations
@@ -10,230 +10,59 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pytest
-
 import pyfairing as pf
+import pytest
 from pyfairing import grade
+from test_grade_students import (
+    Student,
+    closed_mesh,
+    cross,
+    explicit,
+    implicit,
+    in_place,
+    laplace,
+    last,
+    nan_where,
+    open_mesh,
+    rows,
+)
 
-Case = tuple[str, Callable[["Student"], Any], str, str]
+Case = tuple[str, Callable[[Student], Any], str, str]
 
-
-class Student:
-    """Loops over the faces of a mesh, with the quantities of the exercises."""
-
-    def __init__(self, mesh: pf.Mesh) -> None:
-        self.mesh, self.v, self.f = mesh, mesh.vertices, mesh.faces.astype(int)
-        self.n = len(self.v)
-        self.directed = {
-            (int(t[k]), int(t[(k + 1) % 3])): int(t[(k + 2) % 3]) for t in self.f for k in range(3)
-        }
-        self.neighbours: list[list[int]] = [[] for _ in range(self.n)]
-        for i, j in self.directed:
-            for a, b in ((i, j), (j, i)):
-                if b not in self.neighbours[a]:
-                    self.neighbours[a].append(b)
-        self.edge = np.array(mesh.boundary_vertices)
-        # Outer half-edges run against the faces: from the head to the tail.
-        self.follow = {j: i for i, j in self.directed if (j, i) not in self.directed}
-        self.before = {w: u for u, w in self.follow.items()}
-
-    def angle(self, a: int, b: int, c: int) -> float:
-        """At a."""
-        u, w = self.v[b] - self.v[a], self.v[c] - self.v[a]
-        return math.acos(max(-1.0, min(1.0, u @ w / math.sqrt(u @ u) / math.sqrt(w @ w))))
-
-    def cot(self, a: int, b: int, c: int) -> float:
-        u, w = self.v[b] - self.v[a], self.v[c] - self.v[a]
-        return float(u @ w / np.linalg.norm(np.cross(u, w)))
-
-    def triangle(self, a: int, b: int, c: int) -> float:
-        return float(np.linalg.norm(np.cross(self.v[b] - self.v[a], self.v[c] - self.v[a])) / 2)
-
-    def weights(self, of: Callable[[float], float] = lambda c: c / 2) -> Any:
-        w = np.zeros((self.n, self.n))
-        for (i, j), k in self.directed.items():
-            w[i, j] += of(self.cot(k, i, j))
-            w[j, i] += of(self.cot(k, i, j))
-        return w
-
-    def outer(self) -> Any:
-        """Weights that the outer half-edges of the border add: the angle after each."""
-        w = np.zeros((self.n, self.n))
-        for i, j in self.follow.items():
-            k = self.follow[j]
-            w[i, j] += self.cot(k, i, j) / 2
-            w[j, i] += self.cot(k, i, j) / 2
-        return w
-
-    def ring(self) -> Any:
-        """Weights in the row of a border vertex if its ring is closed."""
-        w = np.zeros((self.n, self.n))
-        for own, after in self.follow.items():
-            previous = self.before[own]
-            w[own, after] += self.cot(previous, own, after) / 2
-            w[own, previous] += self.cot(after, own, previous) / 2
-        return w
-
-    def s(self, **more: Any) -> Any:
-        return laplace(self.weights(**more))
-
-    def uniform(self) -> Any:
-        a = (self.weights() != 0).astype(float)
-        for i, around in enumerate(self.neighbours):
-            a[i, around] = 1.0
-        return a / a.sum(axis=1)[:, None] - np.eye(self.n)
-
-    def barycentric(self) -> Any:
-        m = np.zeros(self.n)
-        for t in self.f:
-            m[t] += self.triangle(*t) / 3
-        return m
-
-    def circumcentric(self, obtuse: bool = False) -> Any:
-        m = np.zeros(self.n)
-        for t in self.f:
-            angles = [self.angle(t[k], t[k - 2], t[k - 1]) for k in range(3)]
-            for k in range(3):
-                a, b, c = t[k], t[k - 2], t[k - 1]
-                if obtuse and max(angles) > math.pi / 2:
-                    m[a] += self.triangle(*t) / (2 if angles[k] > math.pi / 2 else 4)
-                    continue
-                ab, ac = self.v[b] - self.v[a], self.v[c] - self.v[a]
-                m[a] += (ab @ ab * self.cot(c, a, b) + ac @ ac * self.cot(b, a, c)) / 8
-        return m
-
-    def mixed(self) -> Any:
-        return self.circumcentric(obtuse=True)
-
-    def normals(self, weight: str = "area") -> Any:
-        n = np.zeros((self.n, 3))
-        for t in self.f:
-            cross = np.cross(self.v[t[1]] - self.v[t[0]], self.v[t[2]] - self.v[t[0]])
-            for k in range(3):
-                unit = cross / np.linalg.norm(cross)
-                n[t[k]] += {"area": cross / 2, "equal": unit,
-                            "angle": unit * self.angle(t[k], t[k - 2], t[k - 1])}[weight]  # fmt: skip
-        return n
-
-    def vector(self, s: Any = None, m: Any = None) -> Any:
-        s, m = self.s() if s is None else s, self.mixed() if m is None else m
-        return s @ self.v / m[:, None] / 2
-
-    def h(self, s: Any = None, m: Any = None, unit: Any = None) -> Any:
-        vector = self.vector(s, m)
-        sign = np.sign((vector * (self.normals() if unit is None else unit)).sum(axis=1))
-        return sign * np.linalg.norm(vector, axis=1)
-
-    def defect(self, edge: float = math.pi, full: float = 2 * math.pi) -> Any:
-        d = np.where(self.edge, edge, full)
-        for t in self.f:
-            for k in range(3):
-                d[t[k]] -= self.angle(t[k], t[k - 2], t[k - 1])
-        return d
-
-    def dihedral(self) -> Any:
-        """Sum of angle times length."""
-        total = np.zeros(self.n)
-        unit = {
-            tuple(t): np.cross(self.v[t[1]] - self.v[t[0]], self.v[t[2]] - self.v[t[0]])
-            for t in self.f
-        }
-        face = {
-            (t[k], t[(k + 1) % 3]): n / np.linalg.norm(n) for t, n in unit.items() for k in range(3)
-        }
-        for i, j in self.directed:
-            if i < j and (j, i) in face:
-                along = self.v[j] - self.v[i]
-                length = np.linalg.norm(along)
-                angle = math.atan2(
-                    np.cross(face[i, j], face[j, i]) @ along / length, face[i, j] @ face[j, i]
-                )
-                total[[i, j]] += angle * length
-        return total
-
-    def principal(
-        self, h: Any, k: Any, root: Callable[[Any], Any] = lambda x: np.sqrt(np.maximum(x, 0))
-    ) -> Any:
-        return np.column_stack([h + root(h**2 - k), h - root(h**2 - k)])
-
-    def spectrum(self, s: Any = None, m: Any = None) -> tuple[Any, Any]:
-        s, m = self.s() if s is None else s, self.barycentric() if m is None else m
-        values, u = np.linalg.eigh(s / np.sqrt(m)[:, None] / np.sqrt(m)[None])
-        return values, u / np.sqrt(m)[:, None]
-
-
-def laplace(w: Any) -> Any:
-    return np.diag(w.sum(axis=1)) - w
-
-
-def rows(matrix: Any, mask: Any, value: Any = 0.0) -> Any:
-    out = matrix.copy()
-    out[mask] = value
-    return out
-
-
-def last(student: Student, of_face: Callable[[Any], Any], shape: tuple[int, ...]) -> Any:
-    out = np.zeros((student.n, *shape))
-    for t in student.f:
-        out[t] = of_face(t)
-    return out
-
-
-def cross(student: Student, t: Any) -> Any:
-    return np.cross(student.v[t[1]] - student.v[t[0]], student.v[t[2]] - student.v[t[0]])
-
-
-def implicit(student: Student, operator: Any, lam: float = 0.5, steps: int = 1) -> Any:
-    x = student.v
-    for _ in range(steps):
-        x = np.linalg.solve(np.eye(student.n) - lam * operator, x)
-    return x
-
-
-def explicit(student: Student, operator: Any, lam: float = 0.5, steps: int = 1) -> Any:
-    x = student.v
-    for _ in range(steps):
-        x = x + lam * operator @ x
-    return x
-
-
-def in_place(student: Student, lam: float = 0.5, steps: int = 3) -> Any:
-    x = student.v.copy()
-    for _ in range(steps):
-        for i in range(student.n):
-            x[i] += lam * (x[student.neighbours[i]].mean(axis=0) - x[i])
-    return x
-
-
-def nan_where(values: Any, mask: Any) -> Any:
-    out = np.array(values, dtype=float)
-    out[mask] = np.nan
-    return out
-
-
-INT = "integer"
 LAPLACIAN: list[Case] = [
     ("negative", lambda s: -s.s(), "convention", "other sign"),
     ("shift of 1e-8", lambda s: s.s() + 1e-8 * np.eye(s.n), "right", ""),
     ("negative and shift", lambda s: -s.s() + 1e-8 * np.eye(s.n), "convention", "other sign"),
     ("½ missing", lambda s: 2 * s.s(), "mistake", "½ missing"),
     ("½ twice", lambda s: s.s() / 2, "mistake", "½ twice"),
-    ("outer half-edge", lambda s: laplace(s.weights() + s.outer()), "mistake|border", "outer half-edge"),
-    ("second neighbour out of range", lambda s: rows(s.s(), s.edge, 1.234), "border", "at the border"),
-    ("ring closed", lambda s: laplace(s.weights() + s.ring()), "mistake|border", "ring of neighbours closed"),
+    ("outer half-edge", lambda s: laplace(s.weights() + s.outer()),
+     "mistake|border", "outer half-edge"),
+    ("second neighbour out of range", lambda s: rows(s.s(), s.edge, 1.234),
+     "border", "at the border"),
+    ("ring closed", lambda s: laplace(s.weights() + s.ring()),
+     "mistake|border", "ring of neighbours closed"),
     ("border rows 0", lambda s: rows(s.s(), s.edge), "convention|border", "border rows 0"),
-    ("border rows of the identity", lambda s: rows(s.s(), s.edge) + np.diag(s.edge * 1.0), "mistake|border", "identity"),
-    ("negative, border rows of the identity", lambda s: rows(-s.s(), s.edge) + np.diag(s.edge * 1.0), "mistake|border",
+    ("border rows of the identity", lambda s: rows(s.s(), s.edge) + np.diag(s.edge * 1.0),
+     "mistake|border", "identity"),
+    ("negative, border rows of the identity", lambda s: rows(-s.s(), s.edge) + np.diag(s.edge * 1.0),
+     "mistake|border",
      "identity"),
-    ("absolute cotangents", lambda s: s.s(of=lambda c: abs(c) / 2), "mistake|obtuse", "absolute cotangents"),
+    ("absolute cotangents", lambda s: s.s(of=lambda c: abs(c) / 2),
+     "mistake|obtuse", "absolute cotangents"),
     ("inverse mass on the right", lambda s: s.s() / s.barycentric()[None], "mistake", "transposed"),
-    ("-inverse mass on the right", lambda s: -s.s() / s.barycentric()[None], "mistake", "transposed"),
-    ("divided by the sum", lambda s: -s.s() / s.s().diagonal()[:, None], "convention", "divided by the diagonal"),
+    ("-inverse mass on the right", lambda s: -s.s() / s.barycentric()[None],
+     "mistake", "transposed"),
+    ("divided by the sum", lambda s: -s.s() / s.s().diagonal()[:, None],
+     "convention", "divided by the diagonal"),
     ("M⁻¹S", lambda s: s.s() / s.barycentric()[:, None], "convention", "rows divided by the area"),
-    ("-M⁻¹S", lambda s: -s.s() / s.barycentric()[:, None], "convention", "rows divided by the area"),
-    ("-M⁻¹S, ½ missing, circumcentric", lambda s: -2 * s.s() / s.circumcentric()[:, None], "mistake", "½ missing"),
-    ("symmetric form", lambda s: s.s() / np.sqrt(np.outer(s.barycentric(), s.barycentric())), "convention", "symmetric"),
-    ("symmetric form multiplied", lambda s: laplace(s.weights() * np.sqrt(np.outer(s.barycentric(), s.barycentric()))),
+    ("-M⁻¹S", lambda s: -s.s() / s.barycentric()[:, None],
+     "convention", "rows divided by the area"),
+    ("-M⁻¹S, ½ missing, circumcentric", lambda s: -2 * s.s() / s.circumcentric()[:, None],
+     "mistake", "½ missing"),
+    ("symmetric form", lambda s: s.s() / np.sqrt(np.outer(s.barycentric(), s.barycentric())),
+     "convention", "symmetric"),
+    ("symmetric form multiplied",
+     lambda s: laplace(s.weights() * np.sqrt(np.outer(s.barycentric(), s.barycentric()))),
      "mistake", "multiplied by"),
     ("right", lambda s: s.s(), "right", ""),
     ("uniform for cotangents", lambda s: s.uniform(), "convention", "uniform"),
@@ -256,9 +85,11 @@ UNIFORM: list[Case] = [
     ("D - W", lambda s: laplace((s.uniform() > 0) * 1.0), "convention", "degree"),
     ("W - D", lambda s: -laplace((s.uniform() > 0) * 1.0), "convention", "degree"),
     ("pushed by faces", lambda s: by_faces(s), "mistake|border", "once for each face"),
-    ("1 on the diagonal of border rows", lambda s: s.uniform() + 1.0 * np.diag(s.edge), "mistake|border",
+    ("1 on the diagonal of border rows", lambda s: s.uniform() + 1.0 * np.diag(s.edge),
+     "mistake|border",
      "diagonal of border rows"),
-    ("border rows of the identity", lambda s: rows(s.uniform(), s.edge) + np.diag(s.edge * 1.0), "mistake|border",
+    ("border rows of the identity", lambda s: rows(s.uniform(), s.edge) + np.diag(s.edge * 1.0),
+     "mistake|border",
      "identity"),
 ]  # fmt: skip
 
@@ -304,7 +135,8 @@ MASS: list[Case] = [
     ("components summed", squares, "mistake", "components of the cross product"),
     ("indices summed", indices, "mistake", "whole numbers"),
     ("across the border", outer_area, "mistake|border", "outside of the border"),
-    ("memory not set to 0", lambda s: s.barycentric() + np.where(np.arange(s.n) == 7, 1e30, 0.0), "mistake",
+    ("memory not set to 0", lambda s: s.barycentric() + np.where(np.arange(s.n) == 7, 1e30, 0.0),
+     "mistake",
      "never set"),
 ]  # fmt: skip
 
@@ -335,22 +167,30 @@ MEAN: list[Case] = [
     ("sign of any component", lambda s: np.linalg.norm(s.vector(), axis=1) * np.where(
         (s.vector() * s.normals() > 0).any(axis=1), 1, -1), "mistake", "as soon as one component"),
     ("s/|s| at border", lambda s: nan_where(s.h(), s.edge), "mistake", "NaN at the border"),
-    ("integrated and doubled", lambda s: np.linalg.norm(s.s() @ s.v, axis=1), "mistake", "integrated"),
-    ("transposed", lambda s: np.linalg.norm(s.s() @ (s.v / s.barycentric()[:, None]), axis=1) / 2, "mistake",
+    ("integrated and doubled", lambda s: np.linalg.norm(s.s() @ s.v, axis=1),
+     "mistake", "integrated"),
+    ("transposed", lambda s: np.linalg.norm(s.s() @ (s.v / s.barycentric()[:, None]), axis=1) / 2,
+     "mistake",
      "transposed"),
     ("uniform", lambda s: np.linalg.norm(s.uniform() @ s.v, axis=1) / 2, "convention", "uniform"),
-    ("uniform, negated", lambda s: -np.linalg.norm(s.uniform() @ s.v, axis=1) / 2, "convention", "uniform"),
-    ("½Δx · n", lambda s: -(s.vector() * unit(s.normals())).sum(axis=1), "convention", "other sign"),
+    ("uniform, negated", lambda s: -np.linalg.norm(s.uniform() @ s.v, axis=1) / 2,
+     "convention", "uniform"),
+    ("½Δx · n", lambda s: -(s.vector() * unit(s.normals())).sum(axis=1),
+     "convention", "other sign"),
     ("0 at the border", lambda s: np.where(s.edge, 0, s.h()), "convention", "0 at the border"),
-    ("0 at the border, length", lambda s: np.where(s.edge, 0, abs(s.h())), "convention", "0 at the border"),
+    ("0 at the border, length", lambda s: np.where(s.edge, 0, abs(s.h())),
+     "convention", "0 at the border"),
     ("½Σθl", lambda s: s.dihedral() / 2, "convention", "dihedral"),
     ("Σθl", lambda s: s.dihedral(), "mistake", "dihedral"),
     ("½Σθl over the area", lambda s: s.dihedral() / 2 / s.mixed(), "mistake", "dihedral"),
     ("all triangles below an absolute area", lambda s: 0 * s.h(), "mistake", "0 everywhere"),
     ("½ missing in the cotangents", lambda s: s.h(2 * s.s()), "mistake", "2H"),
-    ("outer half-edge", lambda s: s.h(laplace(s.weights() + s.outer())), "mistake|border", "at the border|outer"),
-    ("ring closed", lambda s: s.h(laplace(s.weights() + s.ring())), "mistake|border", "at the border|ring"),
-    ("absolute cotangents", lambda s: s.h(s.s(of=lambda c: abs(c) / 2)), "mistake|obtuse", "absolute cotangents"),
+    ("outer half-edge", lambda s: s.h(laplace(s.weights() + s.outer())),
+     "mistake|border", "at the border|outer"),
+    ("ring closed", lambda s: s.h(laplace(s.weights() + s.ring())),
+     "mistake|border", "at the border|ring"),
+    ("absolute cotangents", lambda s: s.h(s.s(of=lambda c: abs(c) / 2)),
+     "mistake|obtuse", "absolute cotangents"),
     ("circumcentric", lambda s: s.h(m=s.circumcentric()), "convention", "circumcentric"),
 ]  # fmt: skip
 
@@ -370,54 +210,73 @@ def ring_defect(s: Student) -> Any:
 
 GAUSSIAN: list[Case] = [
     ("right", lambda s: s.defect() / s.mixed(), "right", ""),
-    ("2π at the border", lambda s: s.defect(edge=2 * math.pi) / s.mixed(), "convention", "2π at the border"),
-    ("2π at the border, barycentric", lambda s: s.defect(edge=2 * math.pi) / s.barycentric(), "convention", "2π at the"),
-    ("2π at the border, integrated", lambda s: s.defect(edge=2 * math.pi), "convention", "integrated"),
+    ("2π at the border", lambda s: s.defect(edge=2 * math.pi) / s.mixed(),
+     "convention", "2π at the border"),
+    ("2π at the border, barycentric", lambda s: s.defect(edge=2 * math.pi) / s.barycentric(),
+     "convention", "2π at the"),
+    ("2π at the border, integrated", lambda s: s.defect(edge=2 * math.pi),
+     "convention", "integrated"),
     ("integrated", lambda s: s.defect(), "convention", "integrated"),
     ("barycentric", lambda s: s.defect() / s.barycentric(), "convention", "barycentric"),
-    ("0 at the border", lambda s: np.where(s.edge, 0, s.defect() / s.mixed()), "convention", "0 at the border"),
-    ("0 at the border, barycentric", lambda s: np.where(s.edge, 0, s.defect() / s.barycentric()), "convention",
+    ("0 at the border", lambda s: np.where(s.edge, 0, s.defect() / s.mixed()),
+     "convention", "0 at the border"),
+    ("0 at the border, barycentric", lambda s: np.where(s.edge, 0, s.defect() / s.barycentric()),
+     "convention",
      "0 at the border"),
     ("π everywhere", lambda s: s.defect(full=math.pi) / s.mixed(), "mistake", "π everywhere"),
-    ("nothing inside", lambda s: nan_where(s.defect() / s.mixed(), ~s.edge), "mistake", "NaN inside"),
+    ("nothing inside", lambda s: nan_where(s.defect() / s.mixed(), ~s.edge),
+     "mistake", "NaN inside"),
     ("ring closed", ring_defect, "mistake|border", "ring"),
     ("area garbage", lambda s: s.defect() / indices(s), "mistake", "wrong area"),
     ("all NaN", lambda s: nan_where(s.defect(), s.edge | True), "mistake", "NaN everywhere"),
-    ("π as 3.1415926", lambda s: s.defect(edge=3.1415926, full=2 * 3.1415926) / s.mixed(), "right", ""),
+    ("π as 3.1415926", lambda s: s.defect(edge=3.1415926, full=2 * 3.1415926) / s.mixed(),
+     "right", ""),
     ("degrees", lambda s: np.rad2deg(s.defect()), "mistake", "degrees"),
     ("two thirds", lambda s: s.defect() / (2 * s.barycentric()), "convention", "two thirds"),
-    ("circumcentric, 2π", lambda s: s.defect(edge=2 * math.pi) / s.circumcentric(), "convention", "circumcentric"),
+    ("circumcentric, 2π", lambda s: s.defect(edge=2 * math.pi) / s.circumcentric(),
+     "convention", "circumcentric"),
 ]  # fmt: skip
 PRINCIPAL: list[Case] = [
     ("right", lambda s: s.principal(s.h(), s.defect() / s.mixed()), "right", ""),
-    ("doubled dihedral H", lambda s: s.principal(s.dihedral() / 2 / s.mixed(), s.defect() / s.mixed()), "mistake",
+    ("doubled dihedral H", lambda s: s.principal(s.dihedral() / 2 / s.mixed(), s.defect() / s.mixed()),
+     "mistake",
      "doubled"),
-    ("doubled dihedral H, circumcentric", lambda s: s.principal(s.dihedral() / 2 / s.circumcentric(),
+    ("doubled dihedral H, circumcentric",
+     lambda s: s.principal(s.dihedral() / 2 / s.circumcentric(),
      s.defect(edge=2 * math.pi) / s.circumcentric()), "mistake", "doubled"),
-    ("circumcentric", lambda s: s.principal(s.h(m=s.circumcentric()), s.defect() / s.circumcentric()), "convention",
+    ("circumcentric", lambda s: s.principal(s.h(m=s.circumcentric()), s.defect() / s.circumcentric()),
+     "convention",
      "circumcentric"),
-    ("smallest first", lambda s: s.principal(s.h(), s.defect() / s.mixed())[:, ::-1], "convention", "smallest first"),
+    ("smallest first", lambda s: s.principal(s.h(), s.defect() / s.mixed())[:, ::-1],
+     "convention", "smallest first"),
     ("by absolute value", lambda s: np.array([sorted(k, key=lambda x: -abs(x)) for k in s.principal(
         s.h(), s.defect() / s.mixed())]), "convention", "largest absolute"),
     ("integrated", lambda s: s.principal(s.dihedral() / 2, s.defect()), "mistake", "integrated"),
-    ("absolute value under the root", lambda s: s.principal(s.h(), s.defect() / s.mixed(), lambda x: np.sqrt(abs(x))),
+    ("absolute value under the root",
+     lambda s: s.principal(s.h(), s.defect() / s.mixed(), lambda x: np.sqrt(abs(x))),
      "mistake", "absolute value under"),
-    ("no clamp", lambda s: s.principal(s.h(), s.defect() / s.mixed(), np.sqrt), "mistake", "H² < K"),
+    ("no clamp", lambda s: s.principal(s.h(), s.defect() / s.mixed(), np.sqrt),
+     "mistake", "H² < K"),
 ]  # fmt: skip
 NORMALS: list[Case] = [
     ("by area", lambda s: unit(s.normals()), "right", ""),
     ("by angle", lambda s: unit(s.normals("angle")), "right", ""),
     ("equal", lambda s: unit(s.normals("equal")), "convention", "equal"),
-    ("mean of unit normals", lambda s: s.normals("equal") / (s.weights(of=lambda c: 1.0).sum(axis=1) / 2)[:, None],
+    ("mean of unit normals",
+     lambda s: s.normals("equal") / (s.weights(of=lambda c: 1.0).sum(axis=1) / 2)[:, None],
      "mistake", "not normalised"),
-    ("last face", lambda s: last(s, lambda t: unit(cross(s, t)[None])[0], (3,)), "mistake", "last face"),
+    ("last face", lambda s: last(s, lambda t: unit(cross(s, t)[None])[0], (3,)),
+     "mistake", "last face"),
     ("no test of incidence", lambda s: np.tile(sum(cross(s, t) for t in s.f), (s.n, 1)), "mistake",
      "over all faces|same value"),
-    ("no test of incidence, unit", lambda s: np.tile(unit(sum(cross(s, t) for t in s.f)[None]), (s.n, 1)), "mistake",
+    ("no test of incidence, unit", lambda s: np.tile(unit(sum(cross(s, t) for t in s.f)[None]), (s.n, 1)),
+     "mistake",
      "over all faces|same value"),
-    ("mean curvature, inward", lambda s: unit(-s.vector()), "convention", "mean curvature vector|S x"),
+    ("mean curvature, inward", lambda s: unit(-s.vector()),
+     "convention", "mean curvature vector|S x"),
     ("inward", lambda s: -unit(s.normals()), "convention", "inward"),
-    ("NaN at the border", lambda s: nan_where(unit(s.normals()), s.edge), "mistake", "NaN at the border"),
+    ("NaN at the border", lambda s: nan_where(unit(s.normals()), s.edge),
+     "mistake", "NaN at the border"),
 ]  # fmt: skip
 K = 12
 EIGENVALUES: list[Case] = [
@@ -436,11 +295,14 @@ EIGENVALUES: list[Case] = [
 MODES: list[Case] = [
     ("right", lambda s: s.spectrum()[1][:, :K] * (-1) ** np.arange(K), "right", ""),
     ("unit length", lambda s: unit(s.spectrum()[1].T).T[:, :K], "right", "unit vectors"),
-    ("not mapped back", lambda s: s.spectrum()[1][:, :K] * np.sqrt(s.barycentric())[:, None], "mistake", "not mapped back"),
-    ("divided by the squared norm", lambda s: (s.spectrum()[1] / (s.spectrum()[1] ** 2).sum(axis=0))[:, :K], "mistake",
+    ("not mapped back", lambda s: s.spectrum()[1][:, :K] * np.sqrt(s.barycentric())[:, None],
+     "mistake", "not mapped back"),
+    ("divided by the squared norm", lambda s: (s.spectrum()[1] / (s.spectrum()[1] ** 2).sum(axis=0))[:, :K],
+     "mistake",
      "squared norm"),
     ("unsymmetric M⁻¹S", lambda s: unsymmetric(s)[:, :K], "right", "unit vectors"),
-    ("graph", lambda s: np.linalg.eigh(laplace((s.uniform() > 0) * 1.0))[1][:, :K], "convention", "graph"),
+    ("graph", lambda s: np.linalg.eigh(laplace((s.uniform() > 0) * 1.0))[1][:, :K],
+     "convention", "graph"),
 ]  # fmt: skip
 
 
@@ -455,10 +317,14 @@ def projected(phi: Any, x: Any, m: Any = None) -> Any:
 
 RECONSTRUCTION: list[Case] = [
     ("right", lambda s: projected(s.spectrum()[1][:, :K], s.v, s.barycentric()), "right", ""),
-    ("½ missing", lambda s: projected(s.spectrum(2 * s.s())[1][:, :K], s.v, s.barycentric()), "right", ""),
-    ("unsymmetric, no mass", lambda s: projected(unsymmetric(s)[:, :K], s.v), "mistake", "unit modes, no mass"),
-    ("graph", lambda s: projected(np.linalg.eigh(laplace((s.uniform() > 0) * 1.0))[1][:, :K], s.v), "convention", "graph"),
-    ("squared norm", lambda s: projected((s.spectrum()[1] / (s.spectrum()[1] ** 2).sum(axis=0))[:, :K], s.v,
+    ("½ missing", lambda s: projected(s.spectrum(2 * s.s())[1][:, :K], s.v, s.barycentric()),
+     "right", ""),
+    ("unsymmetric, no mass", lambda s: projected(unsymmetric(s)[:, :K], s.v),
+     "mistake", "unit modes, no mass"),
+    ("graph", lambda s: projected(np.linalg.eigh(laplace((s.uniform() > 0) * 1.0))[1][:, :K], s.v),
+     "convention", "graph"),
+    ("squared norm",
+     lambda s: projected((s.spectrum()[1] / (s.spectrum()[1] ** 2).sum(axis=0))[:, :K], s.v,
      s.barycentric()), "mistake", "squared norm"),
     ("no mass", lambda s: projected(s.spectrum()[1][:, :K], s.v), "mistake", "no mass"),
 ]  # fmt: skip
@@ -466,15 +332,20 @@ LAM, T = 0.5, 2e-3
 IMPLICIT: list[Case] = [
     ("right", lambda s: implicit(s, s.uniform(), LAM, 3), "right", ""),
     ("λ = 1", lambda s: implicit(s, s.uniform(), 1.0, 3), "mistake|convention", "λ"),
-    ("border fixed", lambda s: implicit(s, rows(s.uniform(), s.edge), LAM, 3), "convention|border", "border fixed"),
-    ("border rows of the identity", lambda s: implicit(s, rows(s.uniform(), s.edge) + np.diag(s.edge * 1.0), LAM, 3),
+    ("border fixed", lambda s: implicit(s, rows(s.uniform(), s.edge), LAM, 3),
+     "convention|border", "border fixed"),
+    ("border rows of the identity",
+     lambda s: implicit(s, rows(s.uniform(), s.edge) + np.diag(s.edge * 1.0), LAM, 3),
      "mistake|border", "identity"),
     ("in place", lambda s: in_place(s), "mistake", "in place"),
-    ("centred", lambda s: implicit(s, s.uniform(), LAM, 3) - implicit(s, s.uniform(), LAM, 3).mean(axis=0), "convention",
+    ("centred", lambda s: implicit(s, s.uniform(), LAM, 3) - implicit(s, s.uniform(), LAM, 3).mean(axis=0),
+     "convention",
      "centred"),
-    ("λ from two numbers", lambda s: implicit(s, s.uniform(), 0.3 * LAM, 3), "convention", "λ times 0.3"),
+    ("λ from two numbers", lambda s: implicit(s, s.uniform(), 0.3 * LAM, 3),
+     "convention", "λ times 0.3"),
     ("explicit", lambda s: explicit(s, s.uniform(), LAM, 3), "mistake", "explicit"),
-    ("one step too many", lambda s: implicit(s, s.uniform(), LAM, 4), "mistake", "one step too many"),
+    ("one step too many", lambda s: implicit(s, s.uniform(), LAM, 4),
+     "mistake", "one step too many"),
 ]  # fmt: skip
 
 
@@ -491,11 +362,14 @@ def flow(s: Student, update: str, steps: int = 2) -> Any:
 
 COTANGENT: list[Case] = [
     ("right", lambda s: implicit(s, -s.s() / s.barycentric()[:, None], T, 2), "right", ""),
-    ("½ missing", lambda s: implicit(s, -2 * s.s() / s.barycentric()[:, None], T, 2), "mistake", "½ missing"),
-    ("½ twice", lambda s: implicit(s, -s.s() / s.barycentric()[:, None] / 2, T, 2), "convention", "λ halved"),
+    ("½ missing", lambda s: implicit(s, -2 * s.s() / s.barycentric()[:, None], T, 2),
+     "mistake", "½ missing"),
+    ("½ twice", lambda s: implicit(s, -s.s() / s.barycentric()[:, None] / 2, T, 2),
+     "convention", "λ halved"),
     ("areas updated", lambda s: flow(s, "mass"), "convention", "area kept up to date"),
     ("both updated", lambda s: flow(s, "both"), "convention", "operator kept up to date"),
-    ("absolute cotangents", lambda s: implicit(s, -s.s(of=lambda c: abs(c) / 2) / s.barycentric()[:, None], T, 2),
+    ("absolute cotangents",
+     lambda s: implicit(s, -s.s(of=lambda c: abs(c) / 2) / s.barycentric()[:, None], T, 2),
      "mistake", "absolute cotangents"),
 ]  # fmt: skip
 
@@ -507,26 +381,34 @@ def scaled_volume(s: Student) -> Any:
 
 
 CLOSED: list[tuple[str, Callable[[Student], grade.Report], str, str]] = [
-    ("volume", lambda s: grade.smoothed(s.mesh, scaled_volume(s), lam=LAM, iterations=1), "convention", "old volume"),
-    ("heat, mass missing", lambda s: grade.heat(s.mesh, np.linalg.solve(np.diag(s.barycentric()) + T * s.s(), s.v[:, 0]),
+    ("volume", lambda s: grade.smoothed(s.mesh, scaled_volume(s), lam=LAM, iterations=1),
+     "convention", "old volume"),
+    ("heat, mass missing",
+     lambda s: grade.heat(s.mesh, np.linalg.solve(np.diag(s.barycentric()) + T * s.s(), s.v[:, 0]),
      s.v[:, 0], T), "mistake", "mass missing on the right"),
-    ("heat", lambda s: grade.heat(s.mesh, np.linalg.solve(np.diag(s.barycentric()) + T * s.s(), s.barycentric()
+    ("heat",
+     lambda s: grade.heat(s.mesh, np.linalg.solve(np.diag(s.barycentric()) + T * s.s(), s.barycentric()
      * s.v[:, 0]), s.v[:, 0], T), "right", ""),
-    ("poisson, mean by count", lambda s: grade.poisson(s.mesh, poisson(s, s.v[:, 0] ** 2 - (s.v[:, 0] ** 2).mean()),
+    ("poisson, mean by count",
+     lambda s: grade.poisson(s.mesh, poisson(s, s.v[:, 0] ** 2 - (s.v[:, 0] ** 2).mean()),
      s.v[:, 0] ** 2), "mistake", "mean by count"),
     ("poisson", lambda s: grade.poisson(s.mesh, poisson(s, s.v[:, 0] ** 2 - (s.barycentric()
      @ s.v[:, 0] ** 2) / s.barycentric().sum()), s.v[:, 0] ** 2), "right", ""),
-    ("noise in [0, 1)", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.random.default_rng(1).random(s.v.shape), 0.1),
+    ("noise in [0, 1)",
+     lambda s: grade.noise(s.mesh, s.v + 0.1 * np.random.default_rng(1).random(s.v.shape), 0.1),
      "mistake", "biased"),
-    ("noise of other axes", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.roll(np.ptp(s.v, axis=0), 1)
+    ("noise of other axes",
+     lambda s: grade.noise(s.mesh, s.v + 0.1 * np.roll(np.ptp(s.v, axis=0), 1)
      * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "mistake", "other axes"),
     ("noise times extent", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.ptp(s.v, axis=0)
      * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "convention", "extent of each axis"),
     ("noise times diagonal", lambda s: grade.noise(s.mesh, s.v + 0.1 * s.mesh.diagonal
      * np.random.default_rng(1).normal(size=s.v.shape), 0.1), "convention", "diagonal"),
-    ("noise σ²", lambda s: grade.noise(s.mesh, s.v + 0.01 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),
+    ("noise σ²",
+     lambda s: grade.noise(s.mesh, s.v + 0.01 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),
      "mistake", "σ²"),
-    ("noise", lambda s: grade.noise(s.mesh, s.v + 0.1 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),
+    ("noise",
+     lambda s: grade.noise(s.mesh, s.v + 0.1 * np.random.default_rng(1).normal(size=s.v.shape), 0.1),
      "right", ""),
 ]  # fmt: skip
 
@@ -535,25 +417,6 @@ def poisson(s: Student, f: Any) -> Any:
     m = s.barycentric()
     u = np.linalg.lstsq(s.s(), m * f, rcond=None)[0]
     return u - (m * u).sum() / m.sum()
-
-
-def open_mesh() -> pf.Mesh:
-    """Uneven, with obtuse triangles inside and at the border, with saddles and caps."""
-    plane = pf.shapes.irregular_plane(0.09)
-    x, y, _ = plane.vertices.T
-    return plane.with_vertices(
-        np.column_stack(
-            [1.1 * x + 0.1 * y**2, y - 0.1 * x**2, 0.2 * np.sin(4 * x + 1) * np.cos(3 * y)]
-        )
-    )
-
-
-def closed_mesh() -> pf.Mesh:
-    """Uneven, obtuse in places, in no symmetric position."""
-    ball = pf.shapes.bumpy_sphere(2, 0.15, 4.0)
-    return ball.with_vertices(ball.vertices * [1.0, 1.3, 0.8] + [0.1, 0.2, 0.3]).noise(
-        0.12, kind="axes"
-    )
 
 
 JUDGES: dict[str, tuple[list[Case], Callable[[pf.Mesh, Any], grade.Report]]] = {

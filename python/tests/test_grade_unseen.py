@@ -9,19 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 from pyfairing import grade
-from test_grade_list import (
-    JUDGES,
-    K,
-    LAM,
+from test_grade_list import JUDGES, LAM, K, projected, unit
+from test_grade_students import (
     Student,
     closed_mesh,
     cross,
     explicit,
     implicit,
     open_mesh,
-    projected,
     rows,
-    unit,
 )
 
 
