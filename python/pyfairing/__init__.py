@@ -14,7 +14,7 @@ degrees. Results are bitwise equal for any number of threads.
 
 from __future__ import annotations
 
-from . import shapes, surfaces, tasks
+from . import grade, shapes, surfaces, tasks
 from ._calls import FairingWarning
 from ._computing import compare, polygon_laplacian
 from ._core import (
@@ -65,6 +65,7 @@ __all__ = [
     "__version__",
     "compare",
     "dataset",
+    "grade",
     "polygon_laplacian",
     "read",
     "read_bytes",
