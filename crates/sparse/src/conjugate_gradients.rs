@@ -48,9 +48,9 @@ impl<const B: usize> CgWorkspace<B> {
 ///
 /// # Errors
 ///
-/// [`SparseError::NotConverged`] where `ends`, given the iterations and the residual, is true, or for
-/// a residual that is not finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
-/// iteration.
+/// [`SparseError::NotConverged`] where `ends`, given the iterations and the residual, is true, or
+/// for a residual that is not finite; [`SparseError::NegativeCurvature`]. `x` and the residual are
+/// then those of the last iteration.
 pub(crate) fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
     x: &mut [[f64; B]],

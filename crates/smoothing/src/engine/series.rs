@@ -131,7 +131,8 @@ fn samples(bound: f64, of: Response) -> Option<usize> {
 /// Multiplies the mode of eigenvalue μ of `L` by `response.at(μ)` with a Chebyshev series, if the
 /// run is unobserved, has free and pinned vertices only, and if a series exists that is faster than
 /// solving the `systems` `(M + tS) x = b` that would do the same, given by t and their number;
-/// otherwise returns the run. `bound` computes the [spectral bound](GraphLaplacian::spectral_bound).
+/// otherwise returns the run. `bound` computes the [spectral
+/// bound](GraphLaplacian::spectral_bound).
 pub(crate) fn at_once<'a, 'o>(
     mut run: Run<'a, 'o>,
     laplacian: &GraphLaplacian,

@@ -20,8 +20,9 @@
 //! A product of a series takes 8 to 16 ns per row, an iteration of conjugate gradients 17 to 26 ns.
 //! Iterations depend on t, not on the size: after Jacobi scaling, the spectrum of a triangle mesh
 //! lies between M/(M + tS) and 3/2. The least of these ratios often belongs to a few slivers, which
-//! conjugate gradients single out; the root mean square of t Sᵢᵢ/Mᵢᵢ describes what remains. With it,
-//! Chebyshev's bound ½ √κ ln (2/ε) is 0.6 to 1.5 times the iterations measured on spheres and scans.
+//! conjugate gradients single out; the root mean square of t Sᵢᵢ/Mᵢᵢ describes what remains. With
+//! it, Chebyshev's bound ½ √κ ln (2/ε) is 0.8 to 1.6 times the iterations measured on scans and on
+//! fine spheres, and several times as much where slivers abound.
 //!
 //! Beyond some million rows memory decides: a factor takes 8 bytes for each of its 40 to 110
 //! nonzeros per row, conjugate gradients 20 numbers per row in all.

@@ -37,10 +37,10 @@ struct Iteration<'a, const N: usize, R, P> {
 }
 
 /// Solves a system to a residual relative to the right-hand side of each column of each part, or to
-/// the level of rounding, within `limit` iterations and with changes projected by `project`. Without
-/// a projection, when a factorisation can take over, it ends at a quarter of the limit if the
-/// residual, extrapolated, would take more than twice the limit. Returns the iterations taken and the residual; the solution about the origins is left in
-/// `scratch`.
+/// the level of rounding, within `limit` iterations and with changes projected by `project`.
+/// Without a projection, when a factorisation can take over, it ends at a quarter of the limit if
+/// the residual, extrapolated, would take more than twice the limit. Returns the iterations taken
+/// and the residual; the solution about the origins is left in `scratch`.
 pub(super) fn iterate<const N: usize, R, P>(
     centred: &Centred<'_, N, R>,
     project: Option<P>,
