@@ -21,7 +21,7 @@
 
 use std::ops::ControlFlow;
 
-use fairing_sparse::{ChebyshevSeries, GraphLaplacian, Workload};
+use fairing_sparse::{ChebyshevSeries, GraphLaplacian, Workload, larger};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowError;
@@ -146,6 +146,12 @@ pub(crate) fn at_once<'a, 'o>(
     let work = systems
         .map(|(step, solves)| Workload::new(laplacian, step, laplacian.mass(), RESIDUAL, solves));
     let pays = |products| work.is_none_or(|work| work.prefers_series(products));
+    // The largest eigenvalue is no less than any Sᵢᵢ/Mᵢᵢ.
+    let ratios = laplacian.diagonal().iter().zip(laplacian.mass());
+    let least = ratios.map(|(s, m)| if *s > 0.0 { s / m } else { 0.0 }).fold(0.0, larger);
+    if work.is_some() && samples(least, response).is_none_or(|count| !pays(count / 3 * 2)) {
+        return ControlFlow::Continue(run);
+    }
     let Some(series) = series(bound(), response, pays) else {
         return ControlFlow::Continue(run);
     };
