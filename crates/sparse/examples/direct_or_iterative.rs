@@ -1,4 +1,4 @@
-//! Measures what `Workload` rests on: Cholesky against conjugate gradients on M + tS of a
+//! Measures Cholesky against conjugate gradients, between which `Workload` chooses, on M + tS of a
 //! regular triangle grid (the graph of an equilateral mesh with S = ½ (D − A) 2/√3 and M = I √3/2,
 //! so that h = 1), positions as right-hand sides.
 //!

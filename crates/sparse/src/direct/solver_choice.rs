@@ -1,9 +1,9 @@
 //! The choice between a factorisation, conjugate gradients and a Chebyshev series, by a cost model
 //! fitted to measurements.
 //!
-//! Times per row of M + tS, two cores, three right-hand sides together
-//! (`cargo run --release -p fairing-sparse --example direct_or_iterative`). Scans have half of the
-//! fill of spheres of triangulated icosahedra:
+//! Times per row of M + tS, two cores, three right-hand sides together; the example
+//! `direct_or_iterative` measures them on regular grids. Scans have half of the fill of spheres that
+//! are subdivided icosahedra:
 //!
 //! | mesh | rows | nonzeros of L | analyse | factorise | solve |
 //! |---|--:|--:|--:|--:|--:|
