@@ -133,7 +133,8 @@ impl NullaryFnOnce for Fitting<'_> {
         let mut valid = [false; RADII.len()];
         for k in 0..RADII.len() {
             let is_known = cosines[k] > MIN_COSINES[k] && points[k] >= MIN_POINTS;
-            valid[k] = is_known && factors.is_valid(k);
+            let is_spread = factors.determinant[k] > LEAST_DETERMINANT * spread(&sums[k]);
+            valid[k] = is_known && is_spread && factors.is_valid(k);
         }
         let fits = Fits {
             coefficients: factors.solve(&rhs),
@@ -255,6 +256,27 @@ const SADDLE: usize = 4;
 /// The place of a monomial among the moments.
 const fn place([i, j]: [usize; 2]) -> usize {
     (i + j) * (i + j + 1) / 2 + j
+}
+
+/// The least determinant of the equations of a jet over its [`spread`]: 10⁻¹⁸ to 10⁻¹⁶ where points
+/// surround the centre, less than 10⁻²¹ over three rows of a grid, on which a quartic is a parabola.
+const LEAST_DETERMINANT: f64 = 1e-19;
+
+/// The product of the sums of r²ᵈ over the points, for the degree d of each term. Neither it nor the
+/// determinant changes when the tangents turn.
+#[inline(always)]
+fn spread(sums: &[f64; MOMENTS]) -> f64 {
+    const BINOMIALS: [&[f64]; 5] =
+        [&[1.0], &[1.0, 1.0], &[1.0, 2.0, 1.0], &[1.0, 3.0, 3.0, 1.0], &[1.0, 4.0, 6.0, 4.0, 1.0]];
+    let mut product = 1.0;
+    for (degree, binomials) in BINOMIALS.into_iter().enumerate() {
+        let terms = binomials.iter().enumerate();
+        let sum: f64 = terms.map(|(j, b)| b * sums[place([2 * (degree - j), 2 * j])]).sum();
+        for _ in 0..=degree {
+            product *= sum;
+        }
+    }
+    product
 }
 
 #[inline(always)]

@@ -7,24 +7,21 @@
 pub(super) type Lanes = [f64; LANES];
 pub(super) const LANES: usize = 4;
 
-/// The least pivot of a fit, over its diagonal entry. Pivots of quartics are 0.02 to 0.15 where
-/// points surround the centre; over three rows of a regular grid, on which a quartic is a parabola,
-/// they are 10⁻¹⁰ to 10⁻³.
-const LEAST_PIVOT: f64 = 3e-3;
-
 /// The Cholesky factors of the matrices.
 pub(super) struct Factors<const N: usize> {
     /// Its part below the diagonal.
     l: [[Lanes; N]; N],
     /// The inverse of its diagonal; zeros where the rows do not determine the unknowns.
     inverse: [Lanes; N],
+    /// The determinants of the matrices.
+    pub(super) determinant: Lanes,
 }
 
 impl<const N: usize> Factors<N> {
     /// Of matrices whose lower half is given.
     #[inline(always)]
     pub(super) fn new(matrix: &[[Lanes; N]; N]) -> Self {
-        let (mut l, mut inverse) = (*matrix, [[0.0; LANES]; N]);
+        let (mut l, mut inverse, mut determinant) = (*matrix, [[0.0; LANES]; N], [1.0; LANES]);
         for i in 0..N {
             for j in 0..=i {
                 let mut sum = l[i][j];
@@ -33,7 +30,8 @@ impl<const N: usize> Factors<N> {
                 }
                 for lane in 0..LANES {
                     if i == j {
-                        let is_right = sum[lane] > LEAST_PIVOT * matrix[i][i][lane];
+                        determinant[lane] *= sum[lane];
+                        let is_right = sum[lane] > 1e-10 * matrix[i][i][lane] && sum[lane] > 0.0;
                         inverse[i][lane] = if is_right { 1.0 / sum[lane].sqrt() } else { 0.0 };
                     } else {
                         sum[lane] *= inverse[j][lane];
@@ -42,7 +40,7 @@ impl<const N: usize> Factors<N> {
                 l[i][j] = sum;
             }
         }
-        Self { l, inverse }
+        Self { l, inverse, determinant }
     }
 
     /// Returns true where the rows determine the unknowns of a fit.
