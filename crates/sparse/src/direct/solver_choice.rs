@@ -2,8 +2,8 @@
 //! fitted to measurements.
 //!
 //! Times per row of M + tS, two cores, three right-hand sides together; the example
-//! `direct_or_iterative` measures them on regular grids. Scans have half of the fill of spheres that
-//! are subdivided icosahedra:
+//! `direct_or_iterative` measures them on regular grids. Scans have half of the fill of spheres
+//! that are subdivided icosahedra:
 //!
 //! | mesh | rows | nonzeros of L | analyse | factorise | solve |
 //! |---|--:|--:|--:|--:|--:|

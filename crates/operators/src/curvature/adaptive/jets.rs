@@ -258,12 +258,13 @@ const fn place([i, j]: [usize; 2]) -> usize {
     (i + j) * (i + j + 1) / 2 + j
 }
 
-/// The least determinant of the equations of a jet over its [`spread`]: 10⁻¹⁸ to 10⁻¹⁶ where points
-/// surround the centre, less than 10⁻²¹ over three rows of a grid, on which a quartic is a parabola.
+/// The least determinant of the equations of a jet over its [`spread`]: 10⁻¹⁸ to 10⁻¹⁶ where
+/// points surround the centre, less than 10⁻²¹ over three rows of a grid, on which a quartic is a
+/// parabola.
 const LEAST_DETERMINANT: f64 = 1e-19;
 
-/// The product of the sums of r²ᵈ over the points, for the degree d of each term. Neither it nor the
-/// determinant changes when the tangents turn.
+/// The product of the sums of r²ᵈ over the points, for the degree d of each term. Neither it nor
+/// the determinant changes when the tangents turn.
 #[inline(always)]
 fn spread(sums: &[f64; MOMENTS]) -> f64 {
     const BINOMIALS: [&[f64]; 5] =
