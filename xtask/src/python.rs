@@ -107,11 +107,13 @@ fn assemble(root: &Path, environment: &Environment) -> Result<()> {
     if package.is_dir() {
         fs::remove_dir_all(&package)?;
     }
-    fs::create_dir_all(&package)?;
-    for entry in fs::read_dir(root.join("python/pyfairing"))? {
-        let path = entry?.path();
-        if let Some(name) = path.file_name().filter(|_| path.is_file()) {
-            fs::copy(&path, package.join(name))?;
+    for folder in ["", "grade"] {
+        fs::create_dir_all(package.join(folder))?;
+        for entry in fs::read_dir(root.join("python/pyfairing").join(folder))? {
+            let path = entry?.path();
+            if let Some(name) = path.file_name().filter(|_| path.is_file()) {
+                fs::copy(&path, package.join(folder).join(name))?;
+            }
         }
     }
     let built = format!("{}_core{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
