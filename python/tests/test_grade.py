@@ -287,6 +287,7 @@ def test_the_command_judges_a_file(
     assert main(["q3", "missing.obj", "H.npy"]) == 2
     done = subprocess.run(
         [sys.executable, "-m", "pyfairing.grade", "q3", name, str(tmp_path / "H.npy")],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
         check=False,
