@@ -47,7 +47,7 @@ pub struct Workload {
 
 /// Analysis, assembly and factorisation, in nanoseconds per row: constant term and coefficient of
 /// √n.
-const FACTORISE: (f64, f64) = (1600.0, 4.0);
+const FACTORISE: (f64, f64) = (1400.0, 8.0);
 /// A solve for three right-hand sides and its residual, in nanoseconds: per row, and per entry of
 /// the factor.
 const SOLVE: (f64, f64) = (60.0, 1.8);
@@ -135,7 +135,7 @@ impl Workload {
 mod tests {
     use super::*;
 
-    fn scan(rows: usize, spread: f64, solves: usize) -> Workload {
+    fn mesh(rows: usize, spread: f64, solves: usize) -> Workload {
         Workload {
             rows,
             entries: 7 * rows,
@@ -148,11 +148,34 @@ mod tests {
     /// No series has fewer than two thousand terms.
     const NONE: usize = usize::MAX;
 
-    /// Measured on nine scans and models: rows, t times the root mean square of Sᵢᵢ/Mᵢᵢ, implicit
-    /// steps, milliseconds with a factor and with conjugate gradients, and degree and milliseconds
-    /// of the series.
+    /// Rows, t times the root mean square of Sᵢᵢ/Mᵢᵢ, implicit steps, milliseconds with a factor
+    /// and with conjugate gradients, and degree and milliseconds of the series.
+    type Measured = (usize, f64, usize, f64, f64, usize, f64);
+
+    /// Spheres, whose factors have twice the entries of those of scans.
     #[rustfmt::skip]
-    const MEASURED: [(usize, f64, usize, f64, f64, usize, f64); 42] = [
+    const SPHERES: [Measured; 16] = [
+        (163_842, 100.0, 1, 964.0, 317.0, 163, 219.0),
+        (163_842, 100.0, 10, 1522.0, 2156.0, 270, 316.0),
+        (163_842, 1000.0, 1, 862.0, 678.0, 515, 629.0),
+        (163_842, 1000.0, 10, 1310.0, 3473.0, 853, 921.0),
+        (163_842, 412.0, 1, 693.0, 401.0, 319, 523.0),
+        (163_842, 412.0, 10, 1165.0, 3650.0, 528, 727.0),
+        (163_842, 4120.0, 1, 751.0, 690.0, 1009, 1498.0),
+        (163_842, 4120.0, 10, 1586.0, 6849.0, 1671, 2140.0),
+        (655_362, 100.0, 1, 6192.0, 1512.0, 163, 1120.0),
+        (655_362, 100.0, 10, 7888.0, 7613.0, 270, 1944.0),
+        (655_362, 1000.0, 1, 5215.0, 3618.0, 515, 2582.0),
+        (655_362, 1000.0, 10, 7984.0, 25_515.0, 853, 4636.0),
+        (655_362, 412.0, 1, 5896.0, 3084.0, 319, 2877.0),
+        (655_362, 412.0, 10, 7836.0, 15_863.0, 529, 4874.0),
+        (655_362, 4120.0, 1, 6312.0, 6771.0, 1010, 8706.0),
+        (655_362, 4120.0, 10, 7779.0, 51_019.0, 1673, 12_034.0),
+    ];
+
+    /// Nine scans and models.
+    #[rustfmt::skip]
+    const SCANS: [Measured; 42] = [
         (172_966, 5.0, 1, 423.0, 166.0, 37, 144.0),
         (172_966, 5.0, 10, 931.0, 847.0, 61, 162.0),
         (172_966, 100.0, 1, 558.0, 653.0, 163, 387.0),
@@ -197,11 +220,13 @@ mod tests {
         (44_461, 31.4, 10, 199.0, 801.0, 170, 93.0),
     ];
 
-    /// The choice takes at most 1.2 times the time of the fastest.
+    /// The choice takes at most 1.2 times the time of the fastest, on spheres 1.45 times.
     #[test]
     fn the_choice_is_nearly_the_fastest() {
-        for (rows, spread, solves, direct, iterative, degree, series) in MEASURED {
-            let work = scan(rows, spread, solves);
+        let scans = SCANS.into_iter().map(|measured| (measured, 1.2));
+        for (measured, most) in scans.chain(SPHERES.map(|measured| (measured, 1.45))) {
+            let (rows, spread, solves, direct, iterative, degree, series) = measured;
+            let work = mesh(rows, spread, solves);
             let chosen = if work.prefers_series(degree) {
                 series
             } else if work.prefers_factorisation() {
@@ -210,7 +235,7 @@ mod tests {
                 iterative
             };
             let best = f64::min(direct, iterative).min(series);
-            assert!(chosen <= 1.2 * best, "{rows} rows, {spread}, {solves}: {chosen}, {best}");
+            assert!(chosen <= most * best, "{rows} rows, {spread}, {solves}: {chosen}, {best}");
         }
     }
 }
