@@ -131,8 +131,8 @@ fn samples(bound: f64, of: Response) -> Option<usize> {
 /// Multiplies the mode of eigenvalue μ of `L` by `response.at(μ)` with a Chebyshev series, if the
 /// run is unobserved, has free and pinned vertices only, and if a series exists that is faster than
 /// solving the `systems` `(M + tS) x = b` that would do the same, given by t and their number;
-/// otherwise returns the run. `bound` computes the [spectral
-/// bound](GraphLaplacian::spectral_bound).
+/// otherwise returns the run. `bound` computes a
+/// [bound of the spectrum](GraphLaplacian::spectral_bound).
 pub(crate) fn at_once<'a, 'o>(
     mut run: Run<'a, 'o>,
     laplacian: &GraphLaplacian,
@@ -146,24 +146,30 @@ pub(crate) fn at_once<'a, 'o>(
     let work = systems
         .map(|(step, solves)| Workload::new(laplacian, step, laplacian.mass(), RESIDUAL, solves));
     let pays = |products| work.is_none_or(|work| work.prefers_series(products));
-    // The largest eigenvalue is no less than any Sᵢᵢ/Mᵢᵢ.
-    let ratios = laplacian.diagonal().iter().zip(laplacian.mass());
-    let least = ratios.map(|(s, m)| if *s > 0.0 { s / m } else { 0.0 }).fold(0.0, larger);
-    if work.is_some() && samples(least, response).is_none_or(|count| !pays(count / 3 * 2)) {
-        return ControlFlow::Continue(run);
-    }
-    let Some(series) = series(bound(), response, pays) else {
-        return ControlFlow::Continue(run);
-    };
+    // To find the degree, a third of the number of samples or more, takes the square of that
+    // number.
+    let may_pay =
+        |bound| work.is_none() || samples(bound, response).is_some_and(|samples| pays(samples / 3));
+    let series = may_pay(largest_ratio(laplacian))
+        .then(bound)
+        .filter(|bound| may_pay(*bound))
+        .and_then(|bound| series(bound, response))
+        .filter(|series| pays(series.products()));
+    let Some(series) = series else { return ControlFlow::Continue(run) };
     run.report.approach = Approach::Series { degree: series.products() };
     run.report.iterations = response.steps();
     let x = series.apply(laplacian, run.arrangement.mesh().positions());
     ControlFlow::Break(run.finish(x))
 }
 
-/// The series of a run, if it is cheaper than explicit steps, and if that many products pay instead
-/// of solving systems.
-fn series(bound: f64, response: Response, pays: impl Fn(usize) -> bool) -> Option<Chain> {
+/// The largest Sᵢᵢ/Mᵢᵢ, no more than the largest eigenvalue of −L.
+fn largest_ratio(laplacian: &GraphLaplacian) -> f64 {
+    let ratios = laplacian.diagonal().iter().zip(laplacian.mass());
+    ratios.map(|(s, m)| if *s > 0.0 { s / m } else { 0.0 }).fold(0.0, larger)
+}
+
+/// The series of a run, if it is cheaper than explicit steps.
+fn series(bound: f64, response: Response) -> Option<Chain> {
     // A product of a series costs a third less than a step.
     match response {
         Response::Explicit { steps, .. } if steps > 1 => {
@@ -174,12 +180,7 @@ fn series(bound: f64, response: Response, pays: impl Fn(usize) -> bool) -> Optio
         }
         Response::Explicit { .. } | Response::Pairs { .. } => None,
         Response::Implicit { steps: 0, .. } => None,
-        // Truncation drops up to a third of the samples; finding the degree takes the square of
-        // their number.
-        other => samples(bound, other)
-            .filter(|&count| pays(count / 3 * 2))
-            .and_then(|_| Chain::one(bound, other))
-            .filter(|chain| pays(chain.products())),
+        other => Chain::one(bound, other),
     }
 }
 
@@ -248,6 +249,7 @@ mod tests {
         for (bound, of, most) in cases {
             let series = expand(bound, of).unwrap_or_else(|| panic!("{of:?}"));
             assert!(series.degree() <= most, "{of:?}: degree {}", series.degree());
+            assert!(3 * series.degree() >= samples(bound, of).unwrap(), "{of:?}");
             assert!((evaluate(&series, bound, 0.0) - 1.0).abs() < 1e-14 * series.degree() as f64);
             for i in 0..=2000 {
                 // Quadratically denser towards zero.
