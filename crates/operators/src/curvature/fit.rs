@@ -99,9 +99,9 @@ impl<'a> HeightField<'a> {
     ///
     /// Where the neighbourhood is bent, `x² + z²/2` and `y² + z²/2` stand for the squares: on
     /// spheres the fit is exact then, and on cylinders its error is halved. As a level set F = 0 of
-    /// such a polynomial less z, a height field has `zₓ = −Fₓ/F_z` and `zₓₓ = −(Fₓₓ + F_zz
-    /// zₓ²)/F_z`. Quartics are close to z² themselves: beside them the equations would hardly
-    /// determine the squares.
+    /// such a polynomial less z, the derivatives of a height field are `zₓ = −Fₓ/F_z` and
+    /// `zₓₓ = −(Fₓₓ + F_zz zₓ²)/F_z`. Quartics are close to z² themselves: beside them the
+    /// equations would hardly determine the squares.
     #[inline]
     pub(crate) fn fit<const N: usize>(
         &self,
