@@ -147,7 +147,11 @@ fn recipes(root: &Path) -> Result<()> {
 }
 
 fn module(root: &Path) -> Result<()> {
-    passes(cargo(root).args(["test", "--workspace", "--locked", "--lib", "--test=module"]))?;
+    passes(cargo(root).args(["test", "--workspace", "--locked", "--test=module"]))?;
+    // Its own parts: those of the other crates run with `cargo test`.
+    let parts =
+        ["test", "--workspace", "--locked", "--lib", "--", "change::", "parts::", "request::"];
+    passes(cargo(root).args(parts))?;
     if web::is_available() {
         ensure!(web::run(root, web::Extent::Build)?, "the module from source fails its tests");
     } else {
