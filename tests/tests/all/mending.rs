@@ -1,11 +1,12 @@
 //! Repairs through the program: vertices merged, parts turned, holes filled and left.
 
 use fairing_mesh::io::{self, NumberType};
-use fairing_mesh::{RepairStep, TriMesh};
+use fairing_mesh::{RepairOptions, RepairStep, Tolerance, TriMesh, repair};
 use fairing_shapes as shapes;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::advice::row_of;
 use crate::command_line::{refuse, run};
 
 fn folder_with(mesh: &TriMesh) -> TempDir {
@@ -103,4 +104,56 @@ fn a_solid_within_a_solid_is_turned_by_cavities_alone() {
     let volume = |file: &str| io::read(folder.path().join(file)).unwrap().mesh.signed_volume();
     let ratio = volume("b.ply") / volume("a.ply");
     assert!((ratio - (1.0 - 0.027) / (1.0 + 0.027)).abs() < 1e-6, "{ratio}");
+}
+
+/// A rotation by a unit quaternion that depends on a number.
+fn rotation(of: u64) -> [[f64; 3]; 3] {
+    let q = [1.0, 2.0, 3.0, 5.0].map(|k| (k * of as f64).sin());
+    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let [w, x, y, z] = q.map(|x| x / length);
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+/// A mesh as a soup in single precision, each face rotated into place so many times.
+fn rotated_into_place(mesh: &TriMesh, times: u64) -> TriMesh {
+    let corners = mesh.faces().iter().enumerate().flat_map(|(f, face)| {
+        let turns: Vec<_> = (0..times).map(|t| rotation(1 + 7 * f as u64 + t)).collect();
+        face.map(|v| {
+            let back = |p: [f64; 3], r: &[[f64; 3]; 3]| {
+                [0, 1, 2].map(|i| r[0][i] * p[0] + r[1][i] * p[1] + r[2][i] * p[2])
+            };
+            let p = turns.iter().rev().fold(mesh.positions()[v as usize], back);
+            let there = |p: [f32; 3], r: &[[f64; 3]; 3]| {
+                r.map(|row| row[0] as f32 * p[0] + row[1] as f32 * p[1] + row[2] as f32 * p[2])
+            };
+            turns.iter().fold(p.map(|x| x as f32), there).map(f64::from)
+        })
+    });
+    let faces = (0..mesh.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    TriMesh::new(corners.collect(), faces).unwrap()
+}
+
+/// The table that the tolerance was chosen by.
+#[test]
+fn the_default_tolerance_is_that_of_the_table() {
+    let torus = shapes::torus(3.0, 1.0, 48, 24);
+    for times in 0..4 {
+        let soup = rotated_into_place(&torus, times);
+        let surplus = |count: usize| count as f64 - torus.vertex_count() as f64;
+        let largest = soup.positions().as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let left = |tolerance| {
+            let options = RepairOptions { tolerance, ..RepairOptions::default() };
+            let mended = repair(&soup, &options).unwrap().mesh;
+            1e2 * surplus(mended.vertex_count()) / surplus(soup.vertex_count())
+        };
+        let units = [0.0, 1.0, 2.0, 4.0, 8.0].map(|k| k * f64::from(f32::EPSILON) * largest);
+        let found = units.map(|unit| (10.0 * left(Tolerance::Model(unit))).ceil() / 10.0);
+        let row = row_of("docs/guide/src/defaults.md", &times.to_string());
+        assert_eq!(row[1..], found.map(|x| x.to_string()));
+        assert_eq!(left(Tolerance::Rounding), 0.0);
+    }
 }
