@@ -82,8 +82,8 @@ def _of_pyvista(source: Any) -> _Parts:
         source.points,
         np.concatenate([corners, more]).astype(np.int64),
         np.concatenate([sizes, of_three]),
-        {_OURS.get(name, name): source.point_data[name] for name in source.point_data.keys()},
-        {_OURS.get(name, name): values for name, values in data.items()},
+        _named(source.point_data),
+        _named(data),
     )
 
 
@@ -119,11 +119,13 @@ def _of_trimesh(source: Any) -> _Parts:
 
 
 def _of_vedo(source: Any) -> _Parts:
-    fields, of_faces = (
-        {_OURS.get(name, name): data[name] for name in data.keys()}
-        for data in (source.pointdata, source.celldata)
-    )
-    return _made(source.vertices, *_arrays.flat(source.cells), fields, of_faces)
+    fields, cells = _named(source.pointdata), _named(source.celldata)
+    return _made(source.vertices, *_arrays.flat(source.cells), fields, cells)
+
+
+def _named(data: Any) -> dict[str, Any]:
+    """Data by our names."""
+    return {_OURS.get(str(name), str(name)): data[name] for name in data.keys()}
 
 
 def _of_meshio(source: Any) -> _Parts:

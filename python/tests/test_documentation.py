@@ -147,6 +147,8 @@ def test_metadata_is_complete() -> None:
     assert found["Requires-Python"] == ">=3.10" and "Laplacian" in found["Summary"]
     required = [r for r in metadata.requires("pyfairing") if "extra ==" not in r]
     assert required == ["numpy>=1.24"]
+    (accessor,) = (p for p in metadata.entry_points(group="pyvista.accessors") if p.name == "fairing")
+    assert accessor.value == "pyfairing._accessor"
 
 
 @pytest.mark.slow
