@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pyvista
 
+from ._exchange import curvature_of_vtk
 from ._mesh import Mesh
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -79,16 +80,7 @@ class Fairing:
             `Maximum_Direction` and `Minimum_Direction`. Positive on a sphere whose faces are
             counter-clockwise seen from outside, in 1 / mesh units, NaN where undefined.
         """
-        c = self._surface().curvature(*args, **parameters)
-        data = {
-            "Mean_Curvature": c.mean,
-            "Gauss_Curvature": c.gaussian,
-            "Maximum_Curvature": c.kappa1,
-            "Minimum_Curvature": c.kappa2,
-        }
-        if c.direction1 is not None and c.direction2 is not None:
-            data |= {"Maximum_Direction": c.direction1, "Minimum_Direction": c.direction2}
-        return self._with(data)
+        return self._with(curvature_of_vtk(self._surface().curvature(*args, **parameters)))
 
     @_like(Mesh.smooth)
     def smooth(self, *args: Any, **parameters: Any) -> Any:
