@@ -218,10 +218,13 @@ def to_pyvista(self: Mesh) -> Any:
     poly = pyvista.PolyData()
     poly.points = np.array(self.vertices)
     poly.faces = np.insert(corners, np.cumsum(sizes) - sizes, sizes)
+    # None of them colours the surface unless asked to.
     for name, values in self.fields.items():
-        poly.point_data[_VTK.get(name, name)] = values
+        poly.point_data.set_array(values, _VTK.get(name, name))
     for name, values in data.items():
-        poly.cell_data[_VTK.get(name, name)] = values.reshape(len(values), -1) if values.ndim > 2 else values
+        poly.cell_data.set_array(
+            values.reshape(len(values), -1) if values.ndim > 2 else values, _VTK.get(name, name)
+        )
     return poly
 
 
