@@ -181,7 +181,8 @@ fn commands_print_what_their_pages_show() {
         // Those of other packages are compared by the tests of the Python package.
         let pictures = targets.filter(|target| {
             let name = target.trim_start_matches("pictures/");
-            let is_python = |(language, code): &(&str, &str)| *language == "python" && code.contains(name);
+            let is_python =
+                |(language, code): &(&str, &str)| *language == "python" && code.contains(name);
             target.ends_with(".png") && !blocks(&text).iter().any(is_python)
         });
         let pictures = pictures.map(|target| page.with_file_name(target));
