@@ -27,12 +27,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import numpy.typing as npt
-from pyfairing import Mesh
+from pyfairing import FairingError, Mesh
 from pyfairing._exchange import curvature_of_vtk
 from pyfairing._parameters import DENOISER, ESTIMATOR, METHOD, Family
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonCore import vtkIdTypeArray, vtkPoints
+from vtkmodules.vtkCommonCore import vtkIdTypeArray, vtkOutputWindow, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 #: The method of a parameter, None for all, and its keyword.
@@ -110,7 +110,12 @@ class _Filter(VTKPythonAlgorithmBase):
         """Computes, as VTK asks for."""
         source, result = vtkPolyData.GetData(inputs[0]), vtkPolyData.GetData(outputs)
         result.ShallowCopy(source)
-        self.compute(_mesh(source), result)
+        try:
+            self.compute(_mesh(source), result)
+        except FairingError as error:
+            # VTK may lose exceptions.
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"{self.label}: {error}\n")
+            return 0
         return 1
 
     def compute(self, mesh: Mesh, result: Any) -> None:
