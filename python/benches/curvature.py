@@ -201,7 +201,7 @@ def rows(found: Estimators, versions: dict[str, str]) -> Iterator[list[object]]:
     surfaces += [torus(0.25, 48, 13), graph(0.1, 1), graph(0.05, 1.5)]
     for number, surface in enumerate(surfaces):
         for size, mesh in enumerate(surface.meshes):
-            rng, f = np.random.default_rng([number, size]), np.array(mesh.faces, dtype=np.int64)
+            rng, f = np.random.default_rng([number, size]), np.array(mesh.faces)
             shifts = rng.normal(size=(len(mesh.vertices), 3))
             shifts *= (rng.random(len(shifts)) ** (1 / 3) / np.linalg.norm(shifts, axis=1))[:, None]
             noise = rng.normal(size=(len(shifts), 1))
@@ -229,7 +229,7 @@ def main() -> None:
     versions = {name: version(name) for name in ("libigl", "vtk", "pymeshlab", "trimesh")}
     versions["pyfairing"] = pf.__version__
     found = estimators(program, versions)
-    sphere, faces = pf.shapes.icosphere(4), pf.shapes.icosphere(4).faces.astype(np.int64)
+    sphere, faces = pf.shapes.icosphere(4), pf.shapes.icosphere(4).faces
     for names, estimator in found.items():
         h, k = np.median(estimator(2 * sphere.vertices, faces)[:2], axis=1)
         # Balls are coarse; a wrong factor or sign would be further away.

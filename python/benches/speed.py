@@ -122,11 +122,10 @@ def main() -> None:
     program = arguments[1] if len(arguments) > 1 else None
     warnings.simplefilter("ignore")
     mesh = pf.read(path)
-    V, F = np.array(mesh.vertices), mesh.faces.astype(np.int64)
-    F32 = np.array(mesh.faces)
+    V, F = np.array(mesh.vertices), np.array(mesh.faces)
     ours: dict[str, tuple[Callable[[], object], tuple[str, ...]]] = {
         "read OBJ": (lambda: pf.read(path), ("load_obj",)),
-        "Mesh(V, F)": (lambda: pf.Mesh(V, F32), ()),
+        "Mesh(V, F)": (lambda: pf.Mesh(V, F), ()),
         "Laplacian": (lambda: mesh.laplacian("cotangent"), ("laplacian",)),
         "robust Laplacian": (lambda: mesh.laplacian("robust"), ()),
         "curvature, quadric": (lambda: mesh.curvature("quadric"), ("principal", "--estimator", "quadric")),

@@ -17,7 +17,7 @@ def main() -> None:
         pf.shapes.bumpy_sphere(4).write(path)
         mesh = pf.read(path)
     vertices: npt.NDArray[np.float64] = mesh.vertices
-    faces: npt.NDArray[np.uint32] = mesh.faces
+    faces: npt.NDArray[np.int64] = mesh.faces
     print(mesh, vertices.shape, faces.shape)
 
     S, M = mesh.laplacian(kind="cotangent", mass="barycentric")
@@ -48,9 +48,7 @@ def main() -> None:
     scores = pf.compare(clean, mesh)
     print(flat.report["approach"], scores["distance_rms"])
 
-    image: npt.NDArray[np.uint8] = clean.render(
-        field=c.mean, defined=c.defined, size=(160, 120)
-    )
+    image: npt.NDArray[np.uint8] = clean.render(field=c.mean, size=(160, 120))
     print(image.shape)
 
     ellipsoid = pf.surfaces.Ellipsoid(3.0, 2.0, 1.0)

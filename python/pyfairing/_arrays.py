@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     import scipy.sparse
 
 Floats: TypeAlias = "npt.NDArray[np.float64]"
-Indices: TypeAlias = "npt.NDArray[np.uint32]"
+Indices: TypeAlias = "npt.NDArray[np.int64]"
 Bools: TypeAlias = "npt.NDArray[np.bool_]"
-Labels: TypeAlias = "npt.NDArray[np.int64]"
+#: Indices as the extension has them.
+Unsigned: TypeAlias = "npt.NDArray[np.uint32]"
 Bytes: TypeAlias = "npt.NDArray[np.uint8]"
 Csr: TypeAlias = "scipy.sparse.csr_matrix"
 
@@ -42,7 +43,7 @@ def vertices(values: npt.ArrayLike, name: str = "vertices") -> Floats:
     return np.ascontiguousarray(array)
 
 
-def faces(values: npt.ArrayLike) -> Indices:
+def faces(values: npt.ArrayLike) -> Unsigned:
     """An (m, 3) array of uint32, row by row."""
     array = np.asarray(values)
     if array.size == 0:
@@ -61,15 +62,22 @@ def faces(values: npt.ArrayLike) -> Indices:
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 
-def polygons(values: Any) -> tuple[Indices, Indices]:
+def flat(values: Any) -> tuple[npt.NDArray[Any], Indices]:
     """The concatenated corners of all polygons, and the number of corners of each."""
+    if isinstance(values, np.ndarray) and values.ndim == 2:
+        return values.reshape(-1), np.full(len(values), values.shape[1])
     sizes = [len(polygon) for polygon in values]
-    flat = np.concatenate([np.asarray(p) for p in values]) if sizes else np.zeros(0, np.uint32)
-    if flat.dtype.kind not in "iu":
-        raise TypeError(f"polygons must be integers, not {flat.dtype}")
-    if flat.size and (flat.min() < 0 or flat.max() > 2**32 - 1):
-        raise MeshError(f"the polygons name vertex {flat.min()} to {flat.max()}")
-    return flat.astype(np.uint32), np.asarray(sizes, dtype=np.uint32)
+    corners = np.concatenate([np.asarray(p) for p in values]) if sizes else np.zeros(0, np.int64)
+    return corners, np.asarray(sizes, dtype=np.int64)
+
+
+def polygons(corners: npt.NDArray[Any], sizes: Indices) -> tuple[Unsigned, Unsigned]:
+    """The corners and sizes of polygons as the extension takes them."""
+    if corners.dtype.kind not in "iu":
+        raise TypeError(f"polygons must be integers, not {corners.dtype}")
+    if corners.size and (corners.min() < 0 or corners.max() > _LAST):
+        raise MeshError(f"the polygons name vertex {corners.min()} to {corners.max()}")
+    return corners.astype(np.uint32), sizes.astype(np.uint32)
 
 
 def numbers(values: npt.ArrayLike, n: int, what: str, *, of: str = "vertex") -> list[int]:
@@ -166,3 +174,9 @@ def frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """The array, made read-only."""
     array.flags.writeable = False
     return array
+
+
+def unit_or_nan(normals: Floats) -> Floats:
+    """Unit normals, with NaN in place of zero where there is none."""
+    normals[(normals == 0.0).all(axis=1)] = np.nan
+    return normals

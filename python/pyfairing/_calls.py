@@ -54,7 +54,7 @@ class _Bar:
         try:
             from tqdm.auto import tqdm
         except ImportError as error:
-            raise ImportError("progress=True needs tqdm: pip install 'pyfairing[progress]'") from error
+            raise ImportError("progress=True needs tqdm: pip install tqdm") from error
         self._make: Any = tqdm
         self._bar: Any = None
         self._stage = ""

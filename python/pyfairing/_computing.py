@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
@@ -126,12 +127,12 @@ def vertex_normals(
     Returns
     -------
     ndarray, shape (n, 3)
-        Zero where no normal is defined (isolated vertices, sums that cancel). Faces that
+        NaN where no normal is defined (isolated vertices, sums that cancel). Faces that
         turn against the rest of their part are flipped for the computation, with a
         `FairingWarning`.
     """
     warn_of_orientation(self._core)
-    return self._core.vertex_normals(weight, call(threads))
+    return _arrays.unit_or_nan(self._core.vertex_normals(weight, call(threads)))
 
 
 @ESTIMATOR.takes
@@ -163,7 +164,8 @@ def curvature(
     -------
     Curvature
         `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `mean_error`,
-        `gaussian_error`, `scale`, `defined`, `boundary`: arrays in the order of the vertices.
+        `gaussian_error`, `scale`, `defined`, `boundary`: arrays in the order of the vertices, NaN
+        where not `defined`.
         Positive on a sphere whose faces are counter-clockwise seen from outside. Faces that turn
         against the rest of their part are flipped for the computation, with a `FairingWarning`;
         on one-sided parts, such as a Möbius band, values refer to the side on which H is not
@@ -181,9 +183,13 @@ def curvature(
     if found["too_thin"] is not None:
         warn(f"face {found['too_thin']} is too thin for cotangents; the robust operator is used")
     if found["defined"].size and not found["defined"].any():
-        warn(f"{estimator} is undefined at every vertex: the values are 0 and mean nothing")
+        warn(f"{estimator} is undefined at every vertex: every value is NaN")
     first, second = found.pop("directions") or (None, None)
     errors = dict(zip(("mean_error", "gaussian_error", "scale"), found.pop("accuracy") or (None,) * 3))
+    values = [found[name] for name in ("mean", "gaussian", "kappa1", "kappa2")]
+    for array in (*values, first, second, *errors.values()):
+        if array is not None:
+            array[~found["defined"]] = np.nan
     return Curvature(estimator=estimator, direction1=first, direction2=second, **errors, **found)
 
 
@@ -374,7 +380,7 @@ def polygon_laplacian(
     ComputationError
         For the first polygon that is too thin.
     """
-    corners, sizes = _arrays.polygons(polygons)
+    corners, sizes = _arrays.polygons(*_arrays.flat(polygons))
     stiffness, matrix = _core.polygon_laplacian(
         _arrays.vertices(vertices), corners, sizes, mass, call(threads, progress)
     )

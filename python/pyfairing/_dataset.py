@@ -74,7 +74,7 @@ def dataset(
         If `out` holds another run: with other columns or another task, with a file that is not in
         `paths`, or with one of another size.
     ImportError
-        Without dask: `pip install 'pyfairing[dask]'`.
+        Without dask: `pip install './python[dask]'` in a clone of the repository.
 
     Notes
     -----
@@ -86,7 +86,7 @@ def dataset(
     try:
         from . import _batch, _runs
     except ImportError as error:
-        raise ImportError("data sets need dask: pip install 'pyfairing[dask]'") from error
+        raise ImportError("data sets need dask: pip install './python[dask]' in a clone") from error
     sources, table = _runs.listed(paths)
     kinds = dict(columns) if columns is not None else _batch.columns_of(task, sources)
     taken = sorted(set(kinds) & set(_batch.OWN))

@@ -2,17 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._calls import call, warn
+from ._calls import warn
 
 Element = Literal["vertex", "face"]
 _NAMES = {"vertex": "field", "face": "face field"}
+
+
+class Fields(Mapping[str, npt.NDArray[Any]]):
+    """Fields by name.
+
+    `fields[name]` is a copy, which may be changed; `fields.view(name)` is the array of the mesh
+    itself, without a copy and read-only.
+    """
+
+    __slots__ = ("_arrays",)
+
+    def __init__(self, arrays: dict[str, npt.NDArray[Any]]) -> None:
+        self._arrays = arrays
+
+    def view(self, name: str) -> npt.NDArray[Any]:
+        """The field without a copy, read-only."""
+        return self._arrays[name]
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        return self._arrays[name].copy()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def __repr__(self) -> str:
+        return f"Fields({', '.join(self)})"
 
 
 def named(fields: Mapping[str, npt.NDArray[Any]]) -> _core.Named:
@@ -56,62 +85,7 @@ def _shapes(name: str, n: int, of: Element) -> list[tuple[int, ...]]:
     return [(n, 3, 2)] if name == "texture" and of == "face" else [(n,), (n, 3)]
 
 
-def from_object(
-    source: Any,
-) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
-    """The mesh in an object of another package, and its fields of vertices and of faces."""
-    if hasattr(source, "vertices") and hasattr(source, "faces"):
-        core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
-        return core, _colors_of_trimesh(source, core.vertex_count), {}
-    if hasattr(source, "points") and hasattr(source, "cells"):
-        return _from_meshio(source)
-    raise TypeError(
-        f"a mesh is made of vertices and faces, or of an object that has them, not of {type(source).__name__}"
-    )
-
-
-def _colors_of_trimesh(source: Any, n: int) -> dict[str, npt.ArrayLike]:
-    visual: Any = getattr(source, "visual", None)
-    if getattr(visual, "kind", None) != "vertex":
-        return {}
-    colors = np.asarray(visual.vertex_colors)
-    return {"colors": np.ascontiguousarray(colors[:, :3])} if colors.shape[:1] == (n,) else {}
-
-
-def _from_meshio(
-    source: Any,
-) -> tuple[_core.Mesh, Mapping[str, npt.ArrayLike], Mapping[str, npt.ArrayLike]]:
-    polygons: list[Any] = []
-    skipped = set()
-    used = []
-    for i, block in enumerate(source.cells):
-        if block.type in ("triangle", "quad", "polygon"):
-            polygons.extend(block.data)
-            used.append(i)
-        else:
-            skipped.add(block.type)
-    if skipped:
-        warn(f"cells that are no faces are left out: {', '.join(sorted(skipped))}")
-    points = np.asarray(source.points)
-    if points.ndim == 2 and points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
-    fields = _kept(getattr(source, "point_data", None) or {}, len(points), "vertex")
-    cells = {
-        name: np.concatenate([np.asarray(blocks[i]) for i in used])
-        for name, blocks in (getattr(source, "cell_data", None) or {}).items()
-        if used
-    }
-    if all(len(p) == 3 for p in polygons):
-        triangles = np.asarray(polygons) if polygons else np.zeros((0, 3), np.uint32)
-        core = _core.Mesh(_arrays.vertices(points), _arrays.faces(triangles))
-        return core, fields, _kept(cells, len(triangles), "face")
-    if cells:
-        warn(f"the fields of polygons are left out: {', '.join(cells)}")
-    corners, sizes = _arrays.polygons(polygons)
-    return _core.from_polygons(_arrays.vertices(points), corners, sizes, call()), fields, {}
-
-
-def _kept(fields: Mapping[str, Any], n: int, of: Element) -> dict[str, npt.ArrayLike]:
+def kept(fields: Mapping[str, Any], n: int, of: Element) -> dict[str, npt.ArrayLike]:
     """The fields that a mesh can hold; a warning names the others."""
     kept: dict[str, npt.ArrayLike] = {}
     for name, values in fields.items():

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._arrays import Floats
+from ._arrays import Floats, Indices
 from ._calls import Progress, call, warn
 from ._docs import documented
 
@@ -24,14 +24,14 @@ class Polyline(NamedTuple):
     ----------
     points : ndarray, shape (p, 3)
         The points, in mesh units; the first of a closed piece is not repeated.
-    edges : ndarray, shape (p, 2)
+    edges : ndarray of int64, shape (p, 2)
         The vertices of the edge that each point lies on; twice the same at a vertex.
     closed : bool
         True if the last point is connected to the first.
     """
 
     points: Floats
-    edges: npt.NDArray[np.uint32]
+    edges: Indices
     closed: bool
 
     @property
@@ -316,7 +316,7 @@ def isolines(
     Parameters
     ----------
     field : array_like, shape (n,)
-        A value for each vertex; faces with an infinite value have no lines.
+        A value for each vertex; faces with a value that is infinite or NaN have no lines.
     levels : float or array_like, shape (k,)
         The values.
     polylines : bool
@@ -346,14 +346,13 @@ def isolines(
     values = _arrays.floats(field, "field")
     if values.shape != (n,):
         raise _core.OptionError(f"field has the shape {values.shape}, but must have ({n},)")
-    if np.isnan(values).any():
-        raise _core.OptionError(f"field is nan at {int(np.flatnonzero(np.isnan(values))[0])}")
+    values = np.where(np.isnan(values), np.inf, values)
     at = np.atleast_1d(_arrays.floats(levels, "levels"))
     if at.ndim != 1:
         raise _core.OptionError(f"levels has the shape {at.shape}, but must be flat")
     _arrays.finite(at, "levels")
     found = _core.isolines(self._core, np.ascontiguousarray(values), at.tolist(), call(threads, progress))
-    pieces = [[Polyline(*piece) for piece in line] for line in found]
+    pieces = [[Polyline(p, edges.astype(np.int64), closed) for p, edges, closed in line] for line in found]
     if polylines:
         return pieces
     empty = np.empty((0, 2, 3))

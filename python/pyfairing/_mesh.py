@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _computing, _core, _fields, _geodesic, _moving, _parts, _pictures
-from ._arrays import Bools, Floats, Indices
+from . import _arrays, _computing, _core, _exchange, _fields, _geodesic, _moving, _parts, _pictures
+from ._arrays import Bools, Floats, Indices, Unsigned
 from ._calls import Progress, call, warn
 from ._checks import warn_of_orientation
 from ._docs import documented
+from ._fields import Fields
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
     from ._core import FileFields
     from ._core import Mesh as CoreMesh
-
-#: A scalar field (n,), a vector field (n, 3), or `colors` (n, 3) of uint8.
-Fields = Mapping[str, npt.NDArray[Any]]
 
 
 class Mesh:
@@ -32,8 +30,11 @@ class Mesh:
     Parameters
     ----------
     vertices : array_like, shape (n, 3)
-        Positions, in mesh units. Or an object with arrays: a `Mesh`, or a mesh of trimesh
-        (`vertices`, `faces`) or meshio (`points`, `cells`), whose numbers are copied once.
+        Positions, in mesh units. Or, without `faces`, a whole mesh: a `Mesh`, a tuple
+        `(vertices, faces)`, a tuple of napari `(vertices, faces, values)`, or a mesh of PyVista
+        (`PolyData`), Open3D (`TriangleMesh`), vedo, trimesh or meshio, whose numbers are copied
+        once. Its polygons are kept, and its data becomes fields if it has one or three numbers
+        for each vertex or face; a warning names the rest.
     faces : array_like of int, shape (m, 3), optional
         Corners, counter-clockwise seen from outside, numbered from 0.
     fields : mapping of str to array_like, optional
@@ -63,13 +64,14 @@ class Mesh:
     (3, 3)
     """
 
-    __slots__ = ("__weakref__", "_core", "_face_fields", "_fields", "_hash", "_report")
+    __slots__ = ("__weakref__", "_core", "_face_fields", "_faces", "_fields", "_hash", "_report")
 
     _core: CoreMesh
     _fields: dict[str, npt.NDArray[Any]]
     _face_fields: dict[str, npt.NDArray[Any]]
     _report: Mapping[str, Any]
     _hash: int | None
+    _faces: Indices | None
 
     def __init__(
         self,
@@ -83,7 +85,7 @@ class Mesh:
         if faces is None and isinstance(vertices, Mesh):
             core, own, own_of_faces = vertices._core, vertices._fields, vertices._face_fields
         elif faces is None:
-            core, own, own_of_faces = _fields.from_object(vertices)
+            core, own, own_of_faces = _exchange.from_object(vertices)
         else:
             core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
         self._fill(core, {**own, **(fields or {})}, {**own_of_faces, **(face_fields or {})}, {})
@@ -101,6 +103,7 @@ class Mesh:
             "_face_fields": _fields.checked(face_fields, core.face_count, "face"),
             "_report": MappingProxyType(dict(report)),
             "_hash": None,
+            "_faces": None,
         }
         for name, part in parts.items():
             object.__setattr__(self, name, part)
@@ -154,7 +157,7 @@ class Mesh:
         Mesh
             Its triangles in the order of the polygons, which it keeps (`polygons`).
         """
-        corners, sizes = _arrays.polygons(polygons)
+        corners, sizes = _arrays.polygons(*_arrays.flat(polygons))
         core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call())
         return cls._of(core, fields)
 
@@ -165,8 +168,11 @@ class Mesh:
 
     @property
     def faces(self) -> Indices:
-        """Corners, (m, 3) uint32, counter-clockwise seen from outside: a view, not writeable."""
-        return self._core.faces
+        """Corners, (m, 3) int64, counter-clockwise seen from outside: converted once, not writeable."""
+        if self._faces is None:
+            object.__setattr__(self, "_faces", _arrays.frozen(self._core.faces.astype(np.int64)))
+        assert self._faces is not None
+        return self._faces
 
     @property
     def polygons(self) -> list[Indices] | None:
@@ -181,26 +187,28 @@ class Mesh:
         if found is None:
             return None
         corners, sizes = found
-        return [_arrays.frozen(own) for own in np.split(corners, np.cumsum(sizes)[:-1])]
+        return np.split(corners.astype(np.int64), np.cumsum(sizes)[:-1])
 
     @property
     def fields(self) -> Fields:
-        """Vertex data by name, in the order of the file; arrays are read-only.
+        """Vertex data by name, in the order of the file: writeable copies, which leave the mesh as it is.
+
+        `mesh.fields.view(name)` is the array itself, without a copy and not writeable.
 
         Scalar fields are (n,) float64, vector fields (n, 3) float64 (vertex normals of a file
         are `normal`), and `colors` is (n, 3) uint8.
         """
-        return MappingProxyType(self._fields)
+        return Fields(self._fields)
 
     @property
     def face_fields(self) -> Fields:
-        """Face data by name, in the order of the file; arrays are read-only.
+        """Face data by name, in the order of the file: copies, as in `fields`.
 
         Scalar fields are (m,) float64, vector fields (m, 3) float64 (face normals of a file are
         `normal`), `colors` is (m, 3) uint8, and `texture` (m, 3, 2) float64, the texture
         coordinates of the corners of each face.
         """
-        return MappingProxyType(self._face_fields)
+        return Fields(self._face_fields)
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -229,8 +237,8 @@ class Mesh:
 
     @property
     def edges(self) -> Indices:
-        """Each edge once, (e, 2) uint32, the lower number first."""
-        return self._core.edges(call())
+        """Each edge once, (e, 2) int64, the lower number first."""
+        return self._core.edges(call()).astype(np.int64)
 
     @property
     def boundary_vertices(self) -> Bools:
@@ -255,13 +263,13 @@ class Mesh:
 
     @property
     def face_normals(self) -> Floats:
-        """The outward unit normal of each face, (m, 3) float64; zero for faces without area.
+        """The outward unit normal of each face, (m, 3) float64; NaN for faces without area.
 
         Faces that turn against the rest of their part are flipped for the computation, with a
         `FairingWarning`.
         """
         warn_of_orientation(self._core)
-        return self._core.face_normals(call())
+        return _arrays.unit_or_nan(self._core.face_normals(call()))
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Self:
         """The same faces at other positions; data that depends on faces alone is shared.
@@ -378,22 +386,6 @@ class Mesh:
         flat = None if texture is None else texture.reshape(-1, 2)
         return _fields.named(self._fields), _fields.named(self._face_fields), flat
 
-    def to_trimesh(self) -> Any:
-        """Converts to a `trimesh.Trimesh`; nothing is merged or dropped."""
-        import trimesh
-
-        return trimesh.Trimesh(self.vertices.copy(), self.faces.astype(np.int64), process=False)
-
-    def to_meshio(self) -> Any:
-        """Converts to a `meshio.Mesh` with its fields."""
-        import meshio
-
-        data = {name: np.array(values) for name, values in self._fields.items()}
-        of_faces = {name: [np.array(values)] for name, values in self._face_fields.items()}
-        return meshio.Mesh(
-            self.vertices.copy(), [("triangle", self.faces.astype(np.int64))], data, cell_data=of_faces
-        )
-
     # Methods by topic: each is documented where it is defined.
 
     laplacian = _computing.laplacian
@@ -423,6 +415,11 @@ class Mesh:
     submesh = _parts.submesh
     closest = _parts.closest
 
+    to_pyvista = _exchange.to_pyvista
+    to_open3d = _exchange.to_open3d
+    to_trimesh = _exchange.to_trimesh
+    to_meshio = _exchange.to_meshio
+
     render = _pictures.render
     show = _pictures.show
     _repr_html_ = _pictures.repr_html
@@ -443,7 +440,7 @@ class Mesh:
 
     def __hash__(self) -> int:
         if self._hash is None:
-            value = hash((self.vertices.tobytes(), self.faces.tobytes()))
+            value = hash((self.vertices.tobytes(), self._core.faces.tobytes()))
             object.__setattr__(self, "_hash", value)
         assert self._hash is not None
         return self._hash
@@ -455,24 +452,24 @@ class Mesh:
         return self
 
     def __reduce__(self) -> Any:
-        arrays = (np.array(self.vertices), np.array(self.faces))
+        arrays = (np.array(self.vertices), np.array(self._core.faces))
         of_faces = (self._core.polygons(), self._core.statements())
         parts = (*arrays, self._fields, dict(self._report), self._face_fields, *of_faces)
         return _restored, (type(self), *parts)
 
     def __dask_tokenize__(self) -> Any:
-        own = (self.vertices, self.faces, self._core.polygons(), self._core.statements())
+        own = (self.vertices, self._core.faces, self._core.polygons(), self._core.statements())
         return ("pyfairing.Mesh", *own, dict(self._fields), dict(self._face_fields))
 
 
 def _restored(
     cls: type[Mesh],
     vertices: Floats,
-    faces: Indices,
-    fields: Fields,
+    faces: Unsigned,
+    fields: Mapping[str, npt.ArrayLike],
     report: Mapping[str, Any],
-    face_fields: Fields,
-    polygons: list[Indices] | None = None,
+    face_fields: Mapping[str, npt.ArrayLike],
+    polygons: list[Unsigned] | None = None,
     statements: list[tuple[int, str, bytes]] | None = None,
 ) -> Mesh:
     core = _core.Mesh(vertices, faces)

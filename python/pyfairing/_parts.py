@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
-from ._arrays import Floats, Indices, Labels
+from ._arrays import Floats, Indices
 from ._calls import Progress, call, warn
 from ._checks import warn_of_orientation
 from ._docs import documented
@@ -32,8 +32,8 @@ class Components(NamedTuple):
         The part of each face.
     """
 
-    vertices: Labels
-    faces: Labels
+    vertices: Indices
+    faces: Indices
 
     @property
     def n_components(self) -> int:
@@ -53,7 +53,7 @@ class Closest(NamedTuple):
         In mesh units; if signed, negative inside.
     point : ndarray, shape (k, 3)
         The closest points, in mesh units.
-    face : ndarray of uint32, shape (k,)
+    face : ndarray of int64, shape (k,)
         A face that contains each.
     """
 
@@ -186,6 +186,7 @@ def repair(
         "holes": _arrays.whole(holes, "holes"),
     }
     core, report, (nearest, corners), normals = _core.repair(self._core, steps, call(threads, progress))
+    report["changes"] = {step: elements.astype(np.int64) for step, elements in report["changes"].items()}
     if report["flat_patches"]:
         warn(f"the patches of holes stay flat: {report['flat_patches']}")
     faces = {name: values[corners[::3] // 3] for name, values in self._face_fields.items()}
@@ -210,7 +211,7 @@ def weld(self: Self) -> tuple[Self, Indices]:
     mesh : Mesh
         Vertices in the order of their first appearance, without fields; faces that had two
         corners in one place are left out.
-    index : ndarray, shape (n,), uint32
+    index : ndarray of int64, shape (n,)
         The vertex of `mesh` that each vertex of this mesh became.
 
     Examples
@@ -225,7 +226,7 @@ def weld(self: Self) -> tuple[Self, Indices]:
     True
     """
     core, index = self._core.weld(call())
-    return self._of(core), index
+    return self._of(core), index.astype(np.int64)
 
 
 def components(self: Mesh) -> Components:
@@ -265,7 +266,7 @@ def submesh(self: Self, faces: npt.ArrayLike) -> tuple[Self, Indices]:
     -------
     mesh : Mesh
         Faces in the order given, vertices in the order of this mesh, both with their fields.
-    index : ndarray of uint32
+    index : ndarray of int64
         The vertex of this mesh of each vertex of `mesh`.
 
     Examples
@@ -285,7 +286,7 @@ def submesh(self: Self, faces: npt.ArrayLike) -> tuple[Self, Indices]:
     core = _core.Mesh(np.ascontiguousarray(self._core.vertices[index]), places)
     fields = {name: values[index] for name, values in self._fields.items()}
     of_faces = {name: values[chosen] for name, values in self._face_fields.items()}
-    return self._of(core, fields, None, of_faces), index
+    return self._of(core, fields, None, of_faces), index.astype(np.int64)
 
 
 @documented
@@ -331,4 +332,5 @@ def closest(
     _arrays.finite(at, "points")
     if signed:
         warn_of_orientation(self._core)
-    return Closest(*_core.closest(self._core, at, bool(signed), call(threads, progress)))
+    distance, point, face = _core.closest(self._core, at, bool(signed), call(threads, progress))
+    return Closest(distance, point, face.astype(np.int64))

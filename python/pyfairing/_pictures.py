@@ -83,9 +83,8 @@ def render(
         Values, or the name of a field; vectors are shown by their length. By default the
         colours of the mesh, if any.
     defined : array_like of bool, shape (n,), optional
-        Vertices with a value; others are grey and do not affect the range. By default the
-        field `defined` of the mesh for fields by name, and the mask of masked arrays. A
-        curvature is 0 where it is undefined, so pass its `defined`.
+        Vertices with a value; others, and NaN, are grey and do not affect the range. By default
+        the field `defined` of the mesh for fields by name, and the mask of masked arrays.
     map : str, optional
         One of {maps}; `coolwarm` about zero for signed fields, else `viridis`.
     range : (float, float), optional
@@ -162,8 +161,8 @@ def show(
         array or None for each mesh, or the name of a field. Vectors are shown by their
         length. The scalar fields of the meshes can be chosen in the page.
     defined : array_like of bool, shape (n,), optional
-        Vertices with a value, if `field` is an array; others are grey. By default the field
-        `defined` of the mesh for fields by name, and the mask of masked arrays.
+        Vertices with a value, if `field` is an array; others, and NaN, are grey. By default the
+        field `defined` of the mesh for fields by name, and the mask of masked arrays.
     titles : sequence of str, optional
         The lines above the pictures.
     up : {'y', 'z'}
@@ -278,8 +277,9 @@ def _field_to_show(mesh: Mesh, field: npt.ArrayLike | str, defined: npt.ArrayLik
         values = np.linalg.norm(values, axis=1)
     if values.shape != (n,):
         raise _core.OptionError(f"field has the shape {values.shape}, but must have ({n},) or ({n}, 3)")
-    if undefined is not None:
-        values = np.where(undefined, 0.0, values)
+    missing = np.isnan(values) if undefined is None else np.isnan(values) | undefined
+    if undefined is not None or missing.any():
+        values, undefined = np.where(missing, 0.0, values), missing
     return np.ascontiguousarray(values), undefined
 
 

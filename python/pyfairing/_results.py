@@ -54,12 +54,12 @@ class Laplacian(tuple[Csr, Csr]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curvature:
-    """Pointwise curvature at each vertex, positive on a sphere.
+    """Pointwise curvature at each vertex, positive on a sphere; NaN where it is not `defined`.
 
     Attributes
     ----------
     mean, gaussian : ndarray, shape (n,)
-        H in 1 / mesh units, K in 1 / squared mesh units; zero where not defined.
+        H in 1 / mesh units, K in 1 / squared mesh units.
     kappa1, kappa2 : ndarray, shape (n,)
         Principal curvatures, kappa1 >= kappa2, in 1 / mesh units.
     direction1, direction2 : ndarray, shape (n, 3), or None
@@ -103,7 +103,7 @@ class Curvature:
     def shape_index(self) -> Floats:
         """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup.
 
-        0 if flat or not defined.
+        0 if flat.
         """
         k1, k2 = self.kappa1, self.kappa2
         index: Floats = np.arctan2(k1 + k2, k1 - k2) * (2 / np.pi)
@@ -117,7 +117,10 @@ class Curvature:
         return curvedness
 
     def fields(self) -> dict[str, Floats]:
-        """The fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`."""
+        """The fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`.
+
+        Fields hold no NaN: values are 0 where the field `defined` is.
+        """
         names: dict[str, Floats] = {
             name: getattr(self, name) for name in ("mean", "gaussian", "kappa1", "kappa2")
         }
@@ -126,7 +129,8 @@ class Curvature:
         if self.direction1 is not None and self.direction2 is not None:
             names |= {"direction1": self.direction1, "direction2": self.direction2}
         errors = {"mean_error": self.mean_error, "gaussian_error": self.gaussian_error, "scale": self.scale}
-        return names | {name: values for name, values in errors.items() if values is not None}
+        names |= {name: values for name, values in errors.items() if values is not None}
+        return {name: np.where(np.isnan(values), 0.0, values) for name, values in names.items()}
 
     def __len__(self) -> int:
         return len(self.mean)

@@ -59,7 +59,7 @@ def side(code: str, module: str | None) -> Side:
 
 
 def arrays(mesh: pf.Mesh) -> dict[str, Any]:
-    return {"mesh": mesh, "V": np.array(mesh.vertices), "F": mesh.faces.astype(np.int64)}
+    return {"mesh": mesh, "V": np.array(mesh.vertices), "F": mesh.faces}
 
 
 def inverted(mesh: pf.Mesh) -> pf.Mesh:
@@ -97,7 +97,7 @@ def trimesh_of(mesh: pf.Mesh) -> Any:
 def lapy_of(mesh: pf.Mesh) -> Any:
     import lapy
 
-    return lapy.TriaMesh(np.array(mesh.vertices), mesh.faces.astype(np.int64))
+    return lapy.TriaMesh(np.array(mesh.vertices), mesh.faces)
 
 
 @row("igl.read_triangle_mesh", needs="igl")

@@ -385,22 +385,30 @@ def test_render(bumpy: pf.Mesh) -> None:
 
 
 def test_what_is_undefined_has_no_colour() -> None:
-    """Triangles of their own have no curvature: zeros, which say so and are never shown as values."""
+    """Triangles of their own have no curvature: NaN, which is grey, and zero in files."""
     ball = pf.shapes.icosphere(2)
     lone = np.array([[5.0, 0, 0], [6, 0, 0], [5, 1, 0]])
     mesh = pf.Mesh(np.vstack([ball.vertices, lone]), np.vstack([ball.faces, [[162, 163, 164]]]))
     c = mesh.curvature("jet3")
     assert c.defined.sum() == 162
-    shown = mesh.render(field=c.mean, defined=c.defined, size=(64, 48))
-    masked = np.ma.array(c.mean, mask=~c.defined)
+    directions = (c.direction1, c.direction2)
+    for values in (c.mean, c.gaussian, c.kappa1, c.kappa2, c.shape_index, c.curvedness, *directions):
+        assert np.array_equal(np.isnan(values).reshape(165, -1).any(axis=1), ~c.defined)
+    errors = pf.Mesh(np.vstack([ball.vertices, [[9, 9, 9]]]), ball.faces).curvature()
+    for values in (errors.mean_error, errors.gaussian_error, errors.scale):
+        assert np.array_equal(np.isnan(values), ~errors.defined) and not errors.defined.all()
+    shown = mesh.render(field=c.mean, size=(64, 48))
+    zero = np.nan_to_num(c.mean)
+    np.testing.assert_array_equal(mesh.render(field=zero, defined=c.defined, size=(64, 48)), shown)
+    masked = np.ma.array(zero, mask=~c.defined)
     np.testing.assert_array_equal(mesh.render(field=masked, size=(64, 48)), shown)
     np.testing.assert_array_equal(mesh.with_fields(c.fields()).render("mean", size=(64, 48)), shown)
-    assert not np.array_equal(mesh.render(field=c.mean, size=(64, 48)), shown)
+    assert not np.array_equal(mesh.render(field=zero, size=(64, 48)), shown)
     soup = pf.Mesh(lone, [[0, 1, 2]])
     with pytest.warns(pf.FairingWarning, match="undefined at every vertex"):
         c = soup.curvature("jet3")
     with pytest.raises(pf.OptionError, match="undefined everywhere"):
-        soup.render(field=c.mean, defined=c.defined)
+        soup.render(field=c.mean)
 
 
 def test_surfaces() -> None:

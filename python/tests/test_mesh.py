@@ -18,9 +18,10 @@ V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.5]])
 F = np.array([[0, 1, 2], [1, 3, 2]])
 
 
-def test_vertices_and_faces_are_views_without_a_copy() -> None:
+def test_vertices_and_faces_are_not_copied_again() -> None:
     mesh = pf.Mesh(V, F)
-    assert mesh.vertices.dtype == np.float64 and mesh.faces.dtype == np.uint32
+    assert mesh.vertices.dtype == np.float64 and mesh.faces.dtype == np.int64
+    assert mesh.faces is mesh.faces and not mesh.faces.flags.writeable
     assert mesh.vertices.ctypes.data == mesh.vertices.ctypes.data
     assert np.shares_memory(mesh.vertices, mesh.vertices)
     np.testing.assert_array_equal(mesh.vertices, V)
@@ -61,7 +62,10 @@ def test_pickle_copy_equality_and_hash() -> None:
     for again in (pickle.loads(pickle.dumps(mesh)), copy.deepcopy(mesh), copy.copy(mesh)):
         assert again == mesh and hash(again) == hash(mesh)
         assert list(again.fields) == ["height", "colors"]
-        assert not again.fields["height"].flags.writeable
+        again.fields["height"][:] = 7
+        assert again.fields["height"].tolist() == V[:, 2].tolist()
+        assert np.shares_memory(again.fields.view("height"), again.fields.view("height"))
+        assert not again.fields.view("height").flags.writeable
     assert mesh != mesh.with_vertices(V + 1)
     assert mesh != 3
     assert len({mesh, pickle.loads(pickle.dumps(mesh))}) == 1
@@ -198,6 +202,25 @@ def test_polygons_stay_until_faces_change(tmp_path) -> None:
         mesh.write(tmp_path / "a.stl")
     assert any("19 polygons are split into triangles" in str(warning.message) for warning in caught)
     assert mesh.subdivide("midpoint").polygons is None
+
+
+def test_what_numpy_users_expect(sphere: pf.Mesh) -> None:
+    """Indices are int64, and what is undefined is NaN."""
+    quad = pf.Mesh.from_polygons(V[[0, 1, 3, 2]], [[0, 1, 2, 3]])
+    line = sphere.isolines(sphere.vertices[:, 2], 0.5, polylines=True)[0][0]
+    parts = sphere.components()
+    report = pf.Mesh(V[[0, 1, 2, 0, 1, 3]], [[0, 1, 2], [3, 4, 5]]).repair().report
+    for indices in (
+        *(quad.faces, *quad.polygons, sphere.edges, sphere.closest(V).face, sphere.weld()[1], line.edges),
+        *(sphere.submesh([3])[1], parts.vertices, parts.faces, report["vertices"]),
+        *(report["vertex_sources"], report["face_sources"], report["changes"]["merged-vertices"]),
+    ):
+        assert indices.dtype == np.int64
+    flat = pf.Mesh(np.vstack([V, [[2, 2, 2]]]), np.vstack([F, [[0, 1, 1]]])[:2])
+    thin = flat.with_vertices(flat.vertices * [[1, 0, 0]])
+    assert np.isnan(thin.face_normals).all()
+    assert np.isnan(flat.vertex_normals()).any(axis=1).tolist() == [False] * 4 + [True]
+    assert np.isinf(flat.geodesic_distance(0)).tolist() == [False] * 4 + [True]
 
 
 def test_statements_of_obj_stay(tmp_path) -> None:
@@ -359,7 +382,7 @@ def test_fields_of_faces_survive_a_round_trip(tmp_path: Path) -> None:
         for name, values in given.items():
             found = again.face_fields[name]
             np.testing.assert_array_equal(found, values)
-            assert not found.flags.writeable and found.dtype == (np.uint8 if name == "colors" else np.float64)
+            assert found.flags.writeable and found.dtype == (np.uint8 if name == "colors" else np.float64)
     with pytest.warns(pf.FairingWarning, match="cannot hold .*quality of faces"):
         mesh.write(tmp_path / "a.obj")
     assert "normal" not in mesh.with_vertices(V + 1).face_fields and "quality" in mesh.smooth().face_fields

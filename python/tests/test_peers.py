@@ -37,7 +37,7 @@ def sound(mesh: pf.Mesh) -> pf.Mesh:
 
 
 def arrays(mesh: pf.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    return np.array(mesh.vertices), mesh.faces.astype(np.int64)
+    return np.array(mesh.vertices), mesh.faces
 
 
 def test_cotangents_of_libigl(mesh: pf.Mesh) -> None:

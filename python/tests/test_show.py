@@ -86,7 +86,8 @@ def test_fields_of_several_meshes(tmp_path: Path, patch: pf.Mesh) -> None:
     c = patch.curvature("jet3", kind=None)
     named = patch.with_fields(c.fields())
     hidden = ~c.defined
-    page = saved(tmp_path, patch, patch, field=c.mean, defined=c.defined)
+    assert np.array_equal(np.isnan(c.mean), hidden)
+    page = saved(tmp_path, patch, patch, field=c.mean)
     assert page.body["data-field"] == "field" and page.titles == ["mesh 1", "mesh 2"]
     for mesh in (0, 1):
         shown = values(page, mesh, "field")
@@ -104,9 +105,9 @@ def test_fields_of_several_meshes(tmp_path: Path, patch: pf.Mesh) -> None:
 
 def test_what_is_refused(tmp_path: Path, sphere: pf.Mesh) -> None:
     n = sphere.n_vertices
-    nan = np.where(np.arange(n) == 7, np.nan, 1.0)
-    with pytest.raises(pf.OptionError, match="value 7 is NaN, which is not finite"):
-        saved(tmp_path, sphere, field=nan)
+    infinite = np.where(np.arange(n) == 7, np.inf, 1.0)
+    with pytest.raises(pf.OptionError, match="value 7 is inf, which is not finite"):
+        saved(tmp_path, sphere, field=infinite)
     with pytest.raises(pf.OptionError, match="there is no field height; the meshes have none"):
         saved(tmp_path, sphere, field="height")
     with pytest.raises(pf.OptionError, match=r"shape \(3,\)"):

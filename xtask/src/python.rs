@@ -24,7 +24,7 @@ const TESTS: &str = "numpy scipy pytest pytest-xdist hypothesis";
 /// the package index.
 const PEERS: &str = "tqdm trimesh pygltflib meshio libigl robust_laplacian potpourri3d lapy mypy \
                      pyright[nodejs] matplotlib nbclient ipykernel dask[dataframe] distributed \
-                     pandas pyarrow fsspec";
+                     pandas pyarrow fsspec pyvista vedo";
 
 /// A virtual environment.
 struct Environment {

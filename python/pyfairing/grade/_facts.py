@@ -26,7 +26,7 @@ class Facts:
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
         self.points: Floats = mesh.vertices
-        self.faces: Integers = mesh.faces.astype(np.int64)
+        self.faces: Integers = mesh.faces
         self.n = mesh.n_vertices
         self.border: Bools = mesh.boundary_vertices
         self._memory: dict[Any, Any] = {}
@@ -58,7 +58,7 @@ class Facts:
 
     @cached_property
     def face_normals(self) -> Floats:
-        return self.mesh.face_normals
+        return np.nan_to_num(self.mesh.face_normals)
 
     @cached_property
     def angles(self) -> Floats:

@@ -56,7 +56,7 @@ def check(
     mistake: depends on the place and depends on the axes
     """
     call = _caller(function)
-    v, f = mesh.vertices, mesh.faces.astype(np.int64)
+    v, f = mesh.vertices, mesh.faces.copy()
     rng = np.random.default_rng(1)
     order, faces = rng.permutation(len(v)), rng.permutation(len(f))
     new = np.empty(len(v), dtype=np.int64)

@@ -121,7 +121,7 @@ def noise(
     moved = _inputs.vectors(vertices, mesh, "vertices") - mesh.vertices
     n, name = len(moved), f"noise of σ = {sigma:g} ({unit})"
     wanted = sigma * {"model": 1.0, "edge": mesh.mean_edge_length, "diagonal": mesh.diagonal}[unit]
-    normals = mesh.vertex_normals("angle")
+    normals = np.nan_to_num(mesh.vertex_normals("angle"))
     along = (moved * normals).sum(axis=1)
     rest = float(np.linalg.norm(moved - along[:, None] * normals, axis=1).max())
     by_normals = rest < 1e-6 * max(float(np.abs(along).max()), 1e-300)
