@@ -116,7 +116,7 @@ const ALL: &[Task] = &[
         "vertex-to-surface distances both ways and normal angles, against --reference",
         operators::metrics,
     ),
-    Task::new("eigs", "k smallest eigenpairs of S u = w M u, certified", spectra::eigs),
+    Task::new("eigs", "k smallest eigenpairs of S u = w M u, with an inertia count", spectra::eigs),
     Task::new(
         "factor",
         "Cholesky of M + λh²S: analyse, factorise, solve for the positions",
