@@ -1,7 +1,7 @@
 //! The Laplacian of a mesh: a stiffness and a mass, each of one kind.
 //!
 //! ```text
-//! S u integrated,    M⁻¹ S u ≈ −Δu pointwise,    S φ = λ M φ
+//! S u integrated,    M⁻¹ S u ≈ −Δu pointwise,    S φ = ω M φ
 //! ```
 //!
 //! Spectra, heat, geodesic distance, Poisson problems and mean curvature take a [`Laplacian`] by
