@@ -128,7 +128,7 @@ def vertex_normals(
     -------
     ndarray, shape (n, 3)
         NaN where no normal is defined (isolated vertices, sums that cancel). Faces that
-        turn against the rest of their part are flipped for the computation, with a
+        disagree with the rest of their part are flipped for the computation, with a
         `FairingWarning`.
     """
     warn_of_orientation(self._core)
@@ -151,7 +151,7 @@ def curvature(
     Parameters
     ----------
     estimator : str
-        The estimator; `adaptive` finds its own scale:
+            The estimator; `adaptive` chooses its scale at each vertex:
 
         {estimators}
     {parameters_of_estimators}

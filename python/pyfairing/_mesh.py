@@ -265,7 +265,7 @@ class Mesh:
     def face_normals(self) -> Floats:
         """The outward unit normal of each face, (m, 3) float64; NaN for faces without area.
 
-        Faces that turn against the rest of their part are flipped for the computation, with a
+        Faces that disagree with the rest of their part are flipped for the computation, with a
         `FairingWarning`.
         """
         warn_of_orientation(self._core)

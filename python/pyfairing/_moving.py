@@ -174,7 +174,7 @@ def scan(
 ) -> Self:
     """The mesh as a depth camera sees it: the depth image as a mesh, without noise.
 
-    The ground truth of a depth camera's mesh, whose noise `noise` simulates. +y is up, or +z for a camera that
+    `noise` adds the noise of the camera; this mesh is the ground truth. +y is up, or +z for a camera that
     looks along y.
 
     Parameters
@@ -279,11 +279,11 @@ def denoise(
         edges, like that of a depth camera, or None if nothing was moved. `expected_error` is the
         expected mean angle between the normals of faces and the true ones in degrees, to a
         factor of two in most cases; None if nothing was moved. `undecided` is the part of
-        `sigma` that may be relief as well as noise: it is kept, and a `strength` of 2 removes
-        it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the
+            `sigma` that may be relief instead of noise: it is kept, and a `strength` of 2 removes
+    it. `flipped_faces` is the number of folds that could not be opened. `spikes` is the
         number of outliers, which were moved back to the surface before the noise was measured.
         Parts with faces as uneven as those of CAD tessellations are left unchanged, with a
-        `FairingWarning`. Faces that turn against the rest of their part are flipped for the
+        `FairingWarning`. Faces that disagree with the rest of their part are flipped for the
         computation, with a `FairingWarning`.
 
     Raises

@@ -67,7 +67,7 @@ class Curvature:
     mean_error, gaussian_error : ndarray, shape (n,), or None
         Standard errors of H and K; None if the estimator provides none.
     scale : ndarray, shape (n,), or None
-        The radius that mostly decided H, in mesh units.
+            The radius with the largest weight in H, in mesh units.
     defined : ndarray of bool, shape (n,)
         Mask of the vertices with a value.
     boundary : ndarray of bool, shape (n,)
@@ -158,7 +158,7 @@ class NoiseLevel(NamedTuple):
     impulsive : bool
         True if the tails are those of impulsive noise.
     samples : int
-        The number of vertices behind the estimate.
+        The number of vertices used for the estimate.
     low_ratio : float
         1 for Gaussian noise, less if the level varies over the surface.
     correlation : float

@@ -116,7 +116,7 @@ const ALL: &[Task] = &[
         "vertex-to-surface distances both ways and normal angles, against --reference",
         operators::metrics,
     ),
-    Task::new("eigs", "k smallest eigenpairs of S u = w M u, certified", spectra::eigs),
+    Task::new("eigs", "k smallest eigenpairs of S φ = ω M φ, with an inertia count", spectra::eigs),
     Task::new(
         "factor",
         "Cholesky of M + λh²S: analyse, factorise, solve for the positions",
@@ -127,7 +127,7 @@ const ALL: &[Task] = &[
         "(Wᵏ + M) u = M x, of order --k 1, 2 or 3: factorise, solve, refine",
         harmonic::harmonic,
     ),
-    Task::new("denoise", "the denoiser without parameters", smoothing::denoise),
+    Task::new("denoise", "the automatic denoiser", smoothing::denoise),
     Task::new(
         "bandwidth",
         "S times three columns, and the triad a = b + s c of STREAM",

@@ -1,4 +1,4 @@
-//! Flows, one of them from file to file, and the denoiser without parameters.
+//! Flows, one of them from file to file, and the automatic denoiser.
 
 use anyhow::{Context as _, Result};
 use fairing_denoising::{AutomaticOptions, automatic};
@@ -87,7 +87,7 @@ fn displacement_fingerprint(before: &TriMesh, after: &TriMesh) -> Fingerprint {
     }
 }
 
-/// Denoising without parameters.
+/// Automatic denoising.
 pub(crate) fn denoise(job: &Job) -> Result<Work> {
     let mesh = io::read(&job.input)?.mesh;
     work(move |watch| {

@@ -2,12 +2,12 @@
 //!
 //! # Overview
 //!
-//! [`automatic`] estimates its parameters from the mesh. The others are published methods, each one
-//! function with one options struct; [`Denoiser`] has them all by name. All keep the faces and the
-//! order of vertices.
-//! Faces that turn against the rest of their part count as flipped
-//! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input.
-//! A mesh whose faces do not share their corners is refused. [`Masked`] fixes vertices of a mesh.
+//! [`automatic`] estimates its parameters from the mesh. The other denoisers are published methods,
+//! each a function with an options struct; [`Denoiser`] has all of them by name. All denoisers keep
+//! the faces and the order of vertices. Faces that disagree with the rest of their part count as
+//! flipped ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of
+//! the input. A mesh whose faces do not share their corners is refused. [`Masked`] fixes vertices
+//! of a mesh.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -7,13 +7,13 @@ use fairing_parameters::ParameterError;
 
 use super::error::DenoiseError;
 
-/// A mesh, and the vertices of it that a denoiser does not move.
+/// A mesh with the vertices that a denoiser must not move.
 ///
-/// Every denoiser takes it instead of a plain mesh, all of whose vertices may move. Fixed vertices
-/// keep the bits of their positions in every step. They still count as noisy: the normals of their
-/// faces are estimated like all others, and the vertices beside them move towards these. The noise
-/// level is measured at the vertices that may move, and so is the distance of the result from the
-/// noisy mesh.
+/// Every denoiser takes a `Masked` mesh, or a plain mesh, all of whose vertices may move. Fixed
+/// vertices keep the bits of their positions in every step. Fixed vertices still count as noisy:
+/// the normals of their faces are estimated like all others, and the vertices beside them move to
+/// fit these normals. The noise level is measured at the vertices that may move, and so is the
+/// distance of the result from the noisy mesh.
 ///
 /// # Examples
 ///

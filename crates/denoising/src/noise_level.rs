@@ -65,9 +65,9 @@ pub struct NoiseEstimate {
     /// neighbours. Noise that is correlated over two edges gives about 0.05 more. Zero where
     /// `sigma` is.
     pub correlation: f64,
-    /// The level that the fits to two-rings find, over `sigma`: at least 1, 1 where `sigma` is
-    /// zero, and close to it where the surface is smooth over two rings and the noise is
-    /// independent. More where creases and details are as dense as two-rings, or the noise is
+    /// The level that the fits to two-rings find, over `sigma`: at least 1, exactly 1 if `sigma` is
+    /// zero, and close to 1 if the surface is smooth over two rings and the noise is independent.
+    /// The ratio is larger if creases and details are as dense as two-rings, or if the noise is
     /// correlated.
     pub two_ring_ratio: f64,
     /// The distance over which noise is correlated, in mean edge lengths: 0 for none, 4 or 8.
@@ -80,8 +80,8 @@ pub struct NoiseEstimate {
     /// logistic regression has chosen on generated scans; the level at s = 4 must exceed a tenth of
     /// the mean edge length. The length is 8 if the level grows by 1.2 to 2 from s = 4 to 8, else
     /// 4. Smooth noise without a rough part looks like shape and is not found. Correlation is not
-    /// looked for on closed parts, which no camera sees at once, on faces stretched to three times
-    /// their height, and on fewer than a few hundred vertices.
+    ///   tested on closed parts, which no camera sees at once, on faces stretched to three times
+    ///   their height, and on fewer than a few hundred vertices.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.
@@ -127,10 +127,10 @@ pub struct NoisyParts {
 /// This is done with three fits, and the least of the three is the result, since what a fit misses
 /// can only add to the noise: a quadric to the two-ring, a quadric to the ten vertices of it that
 /// are nearest (more where several are as far as the tenth), and a + bx + cy + d(x² + y²) to the
-/// one-ring. Nearer points see fewer creases and details, above all on stretched triangles. A level
-/// below a thousandth of that over two-rings does not count: most vertices lie on that fit exactly,
-/// and the noise is elsewhere. The other numbers of a [`NoiseEstimate`] are of the residuals over
-/// two-rings.
+/// one-ring. Fits to nearer points include fewer creases and details, above all on stretched
+/// triangles. A level below a thousandth of that over two-rings does not count: most vertices lie
+/// on that fit exactly, and the noise is elsewhere. The other numbers of a [`NoiseEstimate`] are of
+/// the residuals over two-rings.
 ///
 /// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
 /// few percent high; on a clean mesh it is what the fits miss, not zero.
@@ -145,14 +145,12 @@ pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
 /// estimates from a few dozen vertices differ by as much as two.
 const LEVEL_RATIO: f64 = 4.0;
 
-/// The connected parts of a mesh, put together where their noise is about the
-/// same, those with most of it first.
+/// The connected parts of a mesh, grouped by similar noise, those with the most noise first.
 ///
-/// The part with the largest `n σ̂²`, n the number of its vertices, is taken with
-/// all parts whose level is at least a quarter and at most four times its own,
-/// and so on with what is left. Parts that are too small for an estimate are in
-/// the first group; empty if all are. Fixed vertices ([`Masked`]) have a part in the fits, but do
-/// not count.
+/// The part with the largest `n σ̂²`, n the number of its vertices, is taken with all parts whose
+/// level is at least a quarter and at most four times its own, and so on with the remaining parts.
+/// Parts that are too small for an estimate are in the first group; empty if all are. Fixed
+/// vertices ([`Masked`]) take part in the fits, but do not count.
 pub fn noisy_parts<'a>(mesh: impl Into<Masked<'a>>) -> Vec<NoisyParts> {
     let input = mesh.into();
     let oriented = input.mesh().oriented();

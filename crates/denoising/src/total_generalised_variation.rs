@@ -54,12 +54,12 @@ fairing_parameters::options! {
 ///
 /// The last sum is over the corners of all faces: d is the distance of the corner from the
 /// centroid, e and e′ are the two sides of the face at the corner, and their vectors count as
-/// pointing out of the face. With v = n_f − n_g, the last term is the second difference
-/// 2 n_f − n_g − n_g′ over three faces in a row. Where the normals turn evenly, v follows the jumps
-/// and only the second term counts; at creases v is small, and the jump costs no more than its
-/// length. So curved parts do not turn into facets, as they do under
-/// [`total_variation`](super::total_variation) of first order, and creases are kept. Nothing is
-/// compared across borders.
+/// pointing out of the face. With v = n_f − n_g, the last term is the second difference 2 n_f − n_g
+/// − n_g′ over three faces in a row. Where the normals turn evenly, v follows the jumps and only
+/// the second term counts; at creases v is small, and the jump costs no more than its length. So
+/// creases are kept, and curved parts do not turn into facets, as they do under
+/// [`total_variation`](super::total_variation) of first order. Faces are not compared across
+/// borders.
 ///
 /// The functional is split into quadratic steps for n and v and into shortened vectors by the
 /// alternating direction method of multipliers (both penalties are twice the weight over h). After

@@ -47,14 +47,14 @@ fairing_parameters::options! {
 /// ½ Σ_faces A ‖n − m‖² + α Σ_edges w ℓ ‖n_f − n_g‖,    w = exp(−‖m̄_f − m̄_g‖⁴)
 /// ```
 ///
-/// over fields of vectors, by the alternating direction method of multipliers
-/// (the penalty is 2 α / h), followed by scaling to unit length. The weights w spare strong
-/// creases; m̄ are the normals after one averaging over the faces across the
-/// edges, so that noise does not pass for a crease. The linear systems are solved by conjugate
-/// gradients, preconditioned by a spanning tree of the faces where these are very thin. The
-/// vertices follow ([`update_vertices`](super::update_vertices)). This is the variation of first
-/// order, under which curved parts turn into facets, and not the
-/// [generalised](super::total_generalised_variation) one of second order.
+/// over fields of vectors, by the alternating direction method of multipliers (the penalty is 2 α /
+/// h), followed by scaling to unit length. The weights w spare strong creases; m̄ are the normals
+/// after one averaging over the faces across the edges, so that noise is not mistaken for a crease.
+/// The linear systems are solved by conjugate gradients, preconditioned by a spanning tree of the
+/// faces where these are very thin. The vertices follow
+/// ([`update_vertices`](super::update_vertices)). This is the variation of first order, under which
+/// curved parts turn into facets, and not the [generalised](super::total_generalised_variation) one
+/// of second order.
 ///
 /// # Errors
 ///

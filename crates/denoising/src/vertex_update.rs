@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::error::DenoiseError;
 use super::masked::{Masked, on_oriented};
 
-/// Moves the vertices of `mesh` so that the face normals approach `normals`
-/// (unit vectors, one per face; zero for a face that is to have no say).
+/// Moves the vertices of `mesh` so that the face normals approach `normals` (unit vectors, one per
+/// face; zero for a face to ignore).
 ///
 /// Each of the `steps` moves every vertex towards the planes through the centroids c of
 /// its faces F, all at once:
@@ -18,12 +18,11 @@ use super::masked::{Masked, on_oriented};
 /// x ← x + 1/|F| Σ n (n · (c − x))
 /// ```
 ///
-/// The update is a step of gradient descent on Σ (n · edge)², with a step length that
-/// never needs tuning; volume changes little. A move that would turn a face from
-/// agreeing with its normal (positive inner product) to opposing it is halved
-/// until it does not, up to three times, and then left out. Faces that oppose
-/// their normal already may turn freely. Border vertices move with the faces
-/// they have; isolated and [fixed](Masked) ones stay.
+/// The update is a step of gradient descent on Σ (n · edge)², with a step length that never needs
+/// tuning; volume changes little. A move that would turn a face from agreeing with its normal
+/// (positive inner product) to opposing it is halved until it does not, up to three times, and then
+/// left out. Faces that oppose their normal already may turn freely. Border vertices move with
+/// their faces; isolated and [fixed](Masked) vertices do not move.
 ///
 /// # Errors
 ///

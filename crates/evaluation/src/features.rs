@@ -1,4 +1,4 @@
-//! Sharp edges, found and missed.
+//! Sharp edges found, missed and false.
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;

@@ -40,18 +40,17 @@ pub struct Hausdorff {
 /// max( max_{x ∈ A} d(x, B), max_{y ∈ B} d(y, A) )
 /// ```
 ///
-/// to within `tolerance` (mesh units): `upper − lower ≤ tolerance`. Tolerances
-/// below the rounding of the coordinates, 1.8e-15 times the largest of either
-/// mesh, are taken as that. Where surfaces run at a constant distance, the
-/// number of parts grows with the digits of the tolerance; beyond a million the
-/// interval is wider instead, and still holds the distance.
+/// to within `tolerance` (mesh units): `upper − lower ≤ tolerance`. Tolerances below the rounding
+/// of the coordinates, 1.8e-15 times the largest of either mesh, are raised to this rounding. If
+/// the surfaces run at a constant distance, the number of parts grows with the digits of the
+/// tolerance; beyond a million parts the interval is wider instead, and still contains the
+/// distance.
 ///
-/// Distance to one triangle is convex, so that over a face it is largest at a
-/// corner; the least of these maxima over the triangles closest to the corners
-/// and to the middle bounds the distance of the face from above, and so does
-/// the distance of its middle plus the reach from there. Faces whose bound
-/// passes what is reached already are cut into four until it does not. Source:
-/// \[guthe2005\].
+/// The distance to a triangle is convex, so over a face it is largest at a corner. The least of
+/// these maxima, over the triangles closest to the corners and to the middle, bounds the distance
+/// of the face from above; so does the distance of its middle plus the distance from there to the
+/// corners. Faces whose bound exceeds the distance already found are cut into four until it does
+/// not. Source: \[guthe2005\].
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Sides of a surface.
+//! Inner and outer side of a surface.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{NormalWeight, face_normals, weighted_vertex_normals};

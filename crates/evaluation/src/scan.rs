@@ -47,7 +47,7 @@ impl Default for ScanOptions {
     }
 }
 
-/// The depth image of a mesh as a mesh.
+/// A depth image of a mesh, as a mesh.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Scan {
@@ -64,9 +64,9 @@ pub struct Scan {
 /// side. The image is upright: +y is up, or +z for a camera that looks along ±y. Four pixels of a
 /// square that all see the model become two triangles, along the diagonal with the smaller
 /// difference of depth, and three become one; [`ScanOptions::jump`] leaves out those that bridge a
-/// step of depth. Pixels without a triangle are no vertices. Exact but for rounding, and without
-/// noise: it is the truth of a sensor's mesh, which [`add_noise`](crate::add_noise()) makes of it
-/// with [`NoiseKind::DepthCamera`](crate::NoiseKind::DepthCamera) at [`Scan::camera`].
+/// step of depth. Pixels without a triangle are not vertices. The mesh is exact up to rounding and
+/// has no noise: it is the ground truth of a sensor's mesh, which [`add_noise`](crate::add_noise())
+/// simulates with [`NoiseKind::DepthCamera`](crate::NoiseKind::DepthCamera) at [`Scan::camera`].
 ///
 /// Linear in faces and in the pixels that all faces cover.
 ///

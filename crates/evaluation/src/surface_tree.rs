@@ -7,8 +7,8 @@
 //! for all of that rounding; distances to faces are computed from the
 //! positions of the mesh in double precision and do not depend on the tree.
 //!
-//! Crates with general trees were tried: `obvhs`, built for rays, needs five
-//! times as long to build and longer to answer.
+//! The general tree of the crate `obvhs`, designed for rays, takes five times as long to build, and
+//! longer for queries.
 //!
 //! [kamel1993]: https://doi.org/10.1145/170088.170403
 

@@ -1,9 +1,9 @@
 //! Vertex-by-vertex matrices assembled by rows, in parallel.
 //!
-//! The pattern comes from the corners at each vertex; a row gathers what the
-//! corners give it, in ascending order of faces. There are no triplets to
-//! sort, memory is that of the matrix, and the sums do not depend on threads.
-//! Linear in corners, for bounded valence.
+//! The pattern comes from the corners at each vertex; a row gathers the contributions of its
+//! corners, in ascending order of faces. No triplets are sorted, no memory beyond the matrix is
+//! used, and the sums do not depend on the number of threads. Linear in corners, for bounded
+//! valence.
 
 use std::ops::Range;
 

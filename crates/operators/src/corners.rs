@@ -1,4 +1,4 @@
-//! Geometry at the corners of faces, shared by all operators.
+//! Angles, areas and products at the corners of faces, shared by all operators.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -3,8 +3,8 @@
 //! # Overview
 //!
 //! [`Laplacian`] is the stiffness and the mass of one mesh, of a [`LaplacianKind`] and a
-//! [`MassKind`], or chosen by the mesh ([`Laplacian::auto`]); the free functions that it is made of
-//! are public too. Estimators of curvature are in [`curvature`].
+//! [`MassKind`], or chosen for the mesh ([`Laplacian::auto`]); the free functions that assemble
+//! both are public, too. Estimators of curvature are in [`curvature`].
 //!
 //! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S` is positive
 //! semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are *integrated* over the cell of a vertex,

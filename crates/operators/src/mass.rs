@@ -43,7 +43,7 @@ impl LumpedArea {
     }
 }
 
-/// The lumped mass of each vertex.
+/// Computes the lumped mass of each vertex.
 ///
 /// `n` areas in squared mesh units, in vertex order, summing to the area of
 /// the mesh; zero at isolated vertices. Scaling the mesh by s multiplies them

@@ -12,8 +12,8 @@ use crate::corners::FaceCorners;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum NormalWeight {
-    /// By its area: robust, cheap, and independent of flat triangulation
-    /// only on average.
+    /// By its area: robust and cheap; independent of the triangulation of flat regions only on
+    /// average.
     Area,
     /// By its angle at the vertex: does not change when a flat region is
     /// triangulated differently. Source: [thurmer1998].
@@ -26,7 +26,7 @@ pub enum NormalWeight {
     ///
     /// [max1999]: https://doi.org/10.1080/10867651.1999.10487501
     Sphere,
-    /// All with the same weight. Source: [gouraud1971].
+    /// Equal weights. Source: [gouraud1971].
     ///
     /// [gouraud1971]: https://doi.org/10.1109/T-C.1971.223313
     Uniform,

@@ -108,10 +108,9 @@ pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorE
 /// Lᵢⱼ = 1/dᵢ for an edge ij,    Lᵢᵢ = −1
 /// ```
 ///
-/// `n × n`, not symmetric, **negative** semi-definite in the inner product
-/// weighted by D: its eigenvalues lie in \[−2, 0\]. Zero row sums,
-/// dimensionless. The row of an isolated vertex is zero, so that it stays
-/// where it is. Source: [taubin1995].
+/// `n × n`, not symmetric, **negative** semi-definite in the inner product weighted by D: its
+/// eigenvalues lie in \[−2, 0\]. Zero row sums, dimensionless. The row of an isolated vertex is
+/// zero, so the vertex does not move. Source: [taubin1995].
 ///
 /// # Errors
 ///

@@ -33,11 +33,10 @@ fn top(x: f64) -> f64 {
     1.4 - 0.05 * (x - 1.0) * (x - 1.0)
 }
 
-/// A machined part of size 4 × 3 × 1.4 in nearly equal triangles, in the place
-/// of scanned or modelled CAD parts: an L-shaped outline with a sharp rim, a
-/// convex and a concave fillet, a chamfer and a round hole (genus 1), pulled
-/// up to a gently arched top. Vertices lie exactly on its planes, cylinders
-/// and creases.
+/// A machined part of size 4 × 3 × 1.4 in nearly equal triangles, a stand-in for scanned or
+/// modelled CAD parts: an L-shaped outline with a sharp rim, a convex and a concave fillet, a
+/// chamfer and a round hole (genus 1), pulled up to a gently arched top. Vertices lie exactly on
+/// its planes, cylinders and creases.
 ///
 /// `spacing` is the distance of neighbours: 0.08 gives about 7 thousand
 /// vertices. Vertices come as: the lower outline, counter-clockwise from the

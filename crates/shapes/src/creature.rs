@@ -1,4 +1,4 @@
-//! An animal with limbs, in the place of scanned figures.
+//! An animal with limbs, a stand-in for scanned figures.
 
 use super::grid::made;
 use super::implicit::implicit;

@@ -9,8 +9,8 @@ use super::delaunay::{delaunay, scatter};
 use super::grid::made;
 use fairing_mesh::TriMesh;
 
-/// Four petals around a hollow: an open sheet with one boundary loop and very
-/// uneven faces, in the place of scanned flowers.
+/// Four petals around a hollow: an open sheet with one boundary loop and very uneven faces, a
+/// stand-in for scanned flowers.
 ///
 /// The sheet is the image of the unit disc (ρ, θ) under
 ///

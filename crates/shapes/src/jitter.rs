@@ -6,14 +6,13 @@ use rand_chacha::ChaCha8Rng;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-/// The mesh with each inner vertex moved at random and put back `onto` its
-/// surface: another, irregular sampling of the same surface, as convergence
-/// studies need it.
+/// The mesh with each inner vertex moved at random and projected back `onto` its surface: an
+/// irregular sampling of the same surface, for convergence studies.
 ///
-/// The displacement is uniform in the ball of radius `amount` × the least
-/// height of the faces at the vertex: below ½, no corner can meet the side
-/// opposite it, so that on a flat mesh no face turns over, nor on a curved one
-/// fine enough. Boundary vertices stay, so that the border does.
+/// The displacement is uniform in the ball of radius `amount` × the least height of the faces at
+/// the vertex: below ½, no corner can meet the side opposite it, so that on a flat mesh no face
+/// turns over, nor on a curved one fine enough. Boundary vertices do not move, so the border is
+/// unchanged.
 ///
 /// # Panics
 ///

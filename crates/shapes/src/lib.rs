@@ -2,9 +2,9 @@
 //!
 //! # Overview
 //!
-//! All are manifold, without isolated vertices or degenerate faces, and turn counter-clockwise seen
-//! from outside (the open ones seen from the side that their documentation names). Vertices come in
-//! a documented order. What is random takes a seed.
+//! All shapes are manifold, without isolated vertices or degenerate faces. Their faces turn
+//! counter-clockwise seen from outside, those of open shapes seen from the side that their
+//! documentation names. Vertices come in a documented order. Random shapes take a seed.
 //!
 //! Invalid parameters are programming errors and panic, as documented for each function.
 

@@ -36,7 +36,7 @@ pub fn plane(columns: u32, rows: u32, diagonals: Diagonals) -> TriMesh {
 ///
 /// # Panics
 ///
-/// As [`plane`]; unless 0 ≤ `amount` < ¼, from where on a face may turn over.
+/// As [`plane`]; unless 0 ≤ `amount` < ¼, because beyond ¼ a face may turn over.
 pub fn jittered_plane(columns: u32, rows: u32, amount: f64, seed: u64) -> TriMesh {
     assert!((0.0..0.25).contains(&amount), "amount {amount} is not in [0, 1/4)");
     let regular = plane(columns, rows, Diagonals::Regular);

@@ -36,13 +36,14 @@ enum Place {
     },
 }
 
-/// Traces the shortest way from a vertex to a source of [`distance`](crate::HeatGeodesics): down
-/// the gradient of the distance, which is constant on each face, and along an edge where both
-/// faces lead to it.
+/// Traces the path of steepest descent from a vertex to a source of
+/// [`distance`](crate::HeatGeodesics): down the gradient of the distance, which is constant on each
+/// face, and along an edge where both faces lead to it. The path is close to the shortest one, not
+/// exactly the shortest.
 ///
 /// The distance decreases at every step, so the path ends at a source, or at a spurious local
-/// minimum caused by errors of the distance; `end` tells which. The path is longer than the
-/// distance by the error of the distance, which is of first order in the edge length.
+/// minimum caused by errors of the distance; `end` distinguishes the two. The path is longer than
+/// the distance by the error of the distance, which is of first order in the edge length.
 ///
 /// # Errors
 ///
@@ -141,7 +142,7 @@ impl Field<'_> {
         }
     }
 
-    /// The next place down the gradient; `None` at a local minimum.
+    /// The next point down the gradient; `None` at a local minimum.
     fn next(&self, place: Place) -> Option<Place> {
         match place {
             Place::Vertex(v) => self.steepest_at(v),
@@ -191,8 +192,8 @@ impl Field<'_> {
         best.map(|(_, place)| place)
     }
 
-    /// The place on a side of a face, from which the path goes on in the face beyond, or at one of
-    /// its ends.
+    /// The point on a side of a face, from which the path continues in the face beyond or at one of
+    /// the ends of the side.
     fn on_edge(&self, side: [u32; 2], fraction: f64, from: u32) -> Place {
         const END: f64 = 1e-9;
         let topology = self.mesh.topology();

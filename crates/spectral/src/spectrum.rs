@@ -25,9 +25,10 @@ pub struct Spectrum {
     pub residuals: Vec<f64>,
     /// M over all vertices; 0 at isolated vertices.
     pub mass: MassMatrix,
-    /// True if an inertia count or a dense decomposition proves that no smaller eigenvalue was
-    /// missed. The accuracy of the pairs is a separate matter: `residuals` are within
-    /// [`EigenOptions::residual_limit`] or the rounding of each vector, certified or not.
+    /// True if an inertia count or a dense decomposition, both in floating point, verified that no
+    /// smaller eigenvalue was missed. The accuracy of the pairs is a separate matter: `residuals`
+    /// are within [`EigenOptions::residual_limit`] or the rounding of each vector, certified or
+    /// not.
     ///
     /// [`EigenOptions::residual_limit`]: fairing_sparse::EigenOptions::residual_limit
     pub certified: bool,

@@ -18,7 +18,7 @@ use crate::noise_level::NoiseEstimate;
 use crate::noise_scale::level_at_scale;
 use crate::total_generalised_variation::{TotalGeneralisedVariationOptions, filtered_normals};
 
-/// The way in which [`automatic`](super::automatic) has denoised a mesh.
+/// The approach that [`automatic`](super::automatic) chose for a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -61,7 +61,8 @@ enum Method {
 struct Measured {
     /// The noise is that of a depth camera.
     from_camera: bool,
-    /// The mean error of normals that the networks for all meshes expect to leave, in degrees.
+    /// The mean error of normals that the networks for all meshes predict for their result, in
+    /// degrees.
     expected_error: f64,
     /// The result of the networks for correlated noise; `None` unless the displacements by the
     /// others are correlated.
@@ -97,8 +98,8 @@ const MISTAKEN: f64 = 2.0;
 /// | correlated | other | for correlated noise move less | the same |
 /// | otherwise | | | networks for all meshes |
 ///
-/// On surfaces of volumes, the networks for all meshes take filtered noise for shape and move
-/// vertices less; on others, they take relief for noise and move vertices more.
+/// On surfaces of volumes, the networks for all meshes mistake filtered noise for shape and move
+/// vertices less; on others, they mistake relief for noise and move vertices more.
 fn choose(measured: &Measured) -> Method {
     if measured.from_camera && measured.expected_error > MISTAKEN {
         return Method::TotalGeneralisedVariation;
@@ -254,8 +255,8 @@ fn compared(state: &State<'_>, correlated: &State<'_>, settings: Settings) -> Co
     Correlated { moves_less, surface }
 }
 
-/// The normals, where faces that lie in one plane take that of it, and the distance from planes as
-/// in [`Normals`].
+/// The normals, with faces in one plane sharing its normal, and the distance from planes as in
+/// [`Normals`].
 fn in_planes(state: &State<'_>) -> (Vec<DVec3>, f64) {
     let mut normals = state.normals.clone();
     let variance = variance_of_means(state);

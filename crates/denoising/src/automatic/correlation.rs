@@ -1,4 +1,4 @@
-//! Noise that is correlated: how much, and the variance of means over many vertices.
+//! The correlation of noise, and the variance of means over many vertices.
 
 use std::ops::Range;
 
@@ -51,8 +51,8 @@ pub(super) fn correlation_across_edges(state: &State<'_>) -> f64 {
 }
 
 /// The correlation of the numbers at the ends of the edges whose ends are both free. Numbers are
-/// cut off at the median of their sizes, so that few large ones do not decide. Zero if that is
-/// zero.
+/// clipped to the median of their absolute values, so that a few large ones do not dominate. Zero
+/// if the median is zero.
 fn across_edges(mesh: &TriMesh, mut numbers: Vec<f64>, is_free: impl Fn(usize) -> bool) -> f64 {
     let sizes = (0..).zip(&numbers).filter(|(v, _)| is_free(*v)).map(|(_, x)| x.abs());
     let most = upper_median(sizes.collect()).unwrap_or(0.0);

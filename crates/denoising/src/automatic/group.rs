@@ -138,8 +138,8 @@ impl Group {
     }
 }
 
-/// The noise that displacements may remove, for a level without the strength. A strength above one
-/// takes what may be relief for noise as well.
+/// The noise that displacements may remove, for a level without the strength. With a strength above
+/// one, possible relief counts as noise, too.
 fn allowed(input: Masked<'_>, level: &NoiseEstimate, settings: Settings) -> Allowed {
     let wide = level.wide_sigma.max(level.sigma);
     let mut allowed = if level.correlation_length > 0.0 {

@@ -57,25 +57,25 @@ fairing_parameters::options! {
 /// In the repository, `docs/denoising.md` has results and limits, `study/DESIGN.md` the constants
 /// and their reasons.
 ///
-/// 1. [Spikes](Automatic::spikes) are put on the surface around them.
+/// 1. [Spikes](Automatic::spikes) are moved to the surface around them.
 /// 2. On surfaces of volumes, as marching cubes makes them, the ends of short edges are merged, and
 ///    moved apart again at the end.
 /// 3. Connected parts whose noise differs by more than a factor of four
-///    ([`noisy_parts`](crate::noisy_parts)) are denoised apart.
+///   ([`noisy_parts`](crate::noisy_parts)) are denoised separately.
 /// 4. Normals are means of candidates at many scales around each face, with weights by trained
-///    networks; on noise of a depth camera they may be those of
-///    [`total_generalised_variation`](crate::total_generalised_variation). Faces in one plane get
-///    one normal.
-/// 5. Vertices follow the normals, no further than the noise that was measured, and lie evenly on
-///    both sides of the surface: a closed part keeps its volume.
+///   networks; on noise of a depth camera they may be those of
+///   [`total_generalised_variation`](crate::total_generalised_variation). Faces in one plane share
+///   one normal.
+/// 5. Vertices move to fit the normals, by no more than the measured noise, and end evenly on both
+///   sides of the surface, so that the volume of a closed part is preserved.
 ///
-/// Planes stay planes. Isolated vertices stay; borders move with their faces; nothing is compared
-/// across edges with one, three or more faces. Faces count as
+/// Planes stay planes. Isolated vertices do not move; borders move with their faces; faces are not
+/// compared across edges with one, three or more faces. Faces count as
 /// [oriented](fairing_mesh::TriMesh::oriented). No vertex moves further than [`Automatic::limit`].
-/// Parts of [uneven faces](Automatic::uneven_vertices) stay unchanged. So does, spikes excepted, a
-/// mesh whose noise level is undefined, or times the strength below 10⁻³ mean edge lengths without
-/// impulses. Moves with the mesh under rotation, reflection, translation and scaling, up to
-/// rounding.
+/// Parts of [uneven faces](Automatic::uneven_vertices) stay unchanged. So does, except for spikes,
+/// a mesh whose noise level is undefined, and a mesh without impulses whose noise level times the
+/// strength is below 10⁻³ mean edge lengths. The result follows rotations, reflections,
+/// translations and scaling of the mesh, up to rounding.
 ///
 /// # Errors
 ///

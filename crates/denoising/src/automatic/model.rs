@@ -1,7 +1,7 @@
 //! The trained numbers, as a file of bytes.
 //!
-//! Weights are rounded to a few bits over a step for each unit: they are most of what the networks
-//! add to the package and to every page with the module for browsers.
+//! Weights are rounded to a few bits over a step for each unit, because they are most of the size
+//! that the networks add to the package and to every page with the module for browsers.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,4 @@
-//! The bound on displacements: no more than the noise that was measured.
+//! The bound on displacements: the measured noise.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;

@@ -26,8 +26,8 @@ pub struct Automatic {
     /// unchanged: parts in which, at one vertex in ten, a twentieth of the longest side of the
     /// faces exceeds both their least height and the noise. Remeshing makes such parts usable.
     pub uneven_vertices: usize,
-    /// The number of spikes that were put on the surface around them: vertices farther from it
-    /// than noise and shape explain.
+    /// The number of spikes, vertices farther from the surface around them than noise and shape
+    /// explain, which were moved to this surface.
     pub spikes: usize,
     /// The kind of surface at each face of the result.
     pub faces: Vec<FaceKind>,
@@ -38,19 +38,19 @@ pub struct Automatic {
     /// The way in which the noisiest of the moved parts were denoised; `None` if nothing was moved.
     pub approach: Option<Approach>,
     /// The expected mean angle between the normals of the moved faces and the true ones, in
-    /// degrees; `None` if nothing was moved. For [networks](Approach::Networks) it follows from
-    /// how far two of different random start disagree the first time that a mesh is denoised, so it
-    /// misses errors that both share, and is too high where impulses are removed later: in
-    /// 135 of the 156 benchmark cases that were not used for the fit it was within a factor of two
-    /// of the actual angle. For total generalised variation it follows from the noise level at two
-    /// edges. Under correlated noise and that of a depth camera it was within a factor of two on 63
-    /// of the 66 views that were not used for the fits.
+    /// degrees; `None` if nothing was moved. For [networks](Approach::Networks) it follows from the
+    /// disagreement of two networks of different random start in the first pass, so it misses
+    /// errors that both share, and is too high where impulses are removed later: in 135 of the 156
+    /// benchmark cases that were not used for the fit it was within a factor of two of the actual
+    /// angle. For total generalised variation it follows from the noise level at two edges. Under
+    /// correlated noise and that of a depth camera it was within a factor of two on 63 of the 66
+    /// views that were not used for the fits.
     pub expected_error: Option<f64>,
-    /// The number of moved faces that are turned against the normals found for them: folds that
-    /// could not be opened.
+    /// The number of moved faces that oppose the normals found for them: folds that could not be
+    /// opened.
     pub flipped_faces: usize,
-    /// The part of the measured level that may be relief as well as noise, in mesh units: it was
-    /// kept. A [strength](super::AutomaticOptions::strength) above one removes it.
+    /// The part of the measured level that may be relief instead of noise, in mesh units; this part
+    /// was kept. A [strength](super::AutomaticOptions::strength) above one removes it.
     pub undecided: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A stage: networks weigh the candidates for each normal, and the surface follows.
+//! A stage: networks weight the candidates for each normal, and the surface follows.
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! Internals of the denoiser for the crate that trains it: the state between stages, the networks,
-//! and what tells the noise of depth cameras and the surfaces of volumes. Feature `training`; not
-//! covered by version numbers.
+//! and the tests for the noise of depth cameras and for surfaces of volumes. Feature `training`;
+//! not covered by version numbers.
 
 pub use super::correlation::is_open;
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};

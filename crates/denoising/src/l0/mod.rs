@@ -20,8 +20,9 @@ const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200 };
 fairing_parameters::options! {
     /// Options of [`l0`].
     ///
-    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most
-    /// of the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
+    /// The defaults are those of the source except for the sparsity, whose value 1 in the source
+    /// keeps most of a noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is
+    /// near zero.
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -39,7 +40,7 @@ fairing_parameters::options! {
     "l0": "as few bent edges as possible (He and Schaefer 2013)", ["he2013"];
 }
 
-/// Denoises by making as few edges as possible bent.
+/// Denoises by minimising the number of bent edges.
 ///
 /// Minimises over the positions p, with the noisy ones p*,
 ///
@@ -47,16 +48,14 @@ fairing_parameters::options! {
 /// ‖p − p*‖² + α ‖R p‖² + λ #{edges with D p ≠ 0}
 /// ```
 ///
-/// by alternating with auxiliary variables whose coupling β grows. D is the
-/// area-based edge operator: for a hinge (p₁, p₂, p₃, p₄) with ends p₁ and p₃,
-/// a combination of the four corners that vanishes when they are in one plane
-/// and the triangles (1,2,3), (1,3,4) keep their areas; its coefficients are
-/// taken from the current positions. R = p₁ − p₂ + p₃ − p₄ guards against
-/// folds. Each step is a linear system, solved by conjugate gradients to 10⁻⁴
-/// or, when β makes it stiff, as far as 200 iterations go: the next step
-/// starts from there.
+/// by alternating with auxiliary variables whose coupling β grows. D is the area-based edge
+/// operator: for a hinge (p₁, p₂, p₃, p₄) with ends p₁ and p₃, a combination of the four corners
+/// that vanishes when they are in one plane and the triangles (1,2,3), (1,3,4) keep their areas;
+/// its coefficients are taken from the current positions. R = p₁ − p₂ + p₃ − p₄ guards against
+/// folds. Each step is a linear system, solved by conjugate gradients to 10⁻⁴ or, if β makes it
+/// stiff, by 200 iterations, because the next step starts from the result.
 ///
-/// Slow: some forty systems.
+/// Slow, with about forty systems.
 ///
 /// # Errors
 ///

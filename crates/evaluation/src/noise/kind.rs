@@ -34,9 +34,9 @@ pub enum NoiseKind {
         /// The probability that a vertex is moved, from 0 to 1.
         fraction: f64,
     },
-    /// A Gaussian random field along the vertex normals, of standard deviation σ, whose
-    /// correlation falls with the number d of edges between two vertices, about as exp(−d²/ℓ²):
-    /// a scanner's.
+    /// A Gaussian random field along the vertex normals, of standard deviation σ, whose correlation
+    /// falls with the number d of edges between two vertices, about as exp(−d²/ℓ²), as for some
+    /// scanners.
     ///
     /// The displacement of vertex v is Σ k(d) g(w) / √Σ k(d)² over the vertices w
     /// within 3/2 ℓ edges, with independent Gaussians g and k(d) = exp(−2 d²/ℓ²).
@@ -50,8 +50,8 @@ pub enum NoiseKind {
     /// over the surface from σ/4 to 7σ/4, as σ (1 + ¾ sin 2πt) with t the mean of
     /// the positions in the bounding box along the axes, from 0 to 1.
     Varying,
-    /// Along the ray from the camera through the vertex, by a Gaussian of standard deviation σ: a
-    /// laser scanner's.
+    /// Along the ray from the camera through the vertex, by a Gaussian of standard deviation σ, as
+    /// for a laser scanner.
     Rays {
         /// The position of the camera, in mesh units; `None` is three diagonals of the bounding
         /// box from its centre along +z.
@@ -86,8 +86,8 @@ pub enum NoiseKind {
     /// The noise of many views of a depth camera fused into one surface: a random field along
     /// the vertex normals that varies slowly in space. The root mean square displacement is σ.
     ///
-    /// Fusion averages what the views do not share; what is left are errors of
-    /// registration and of calibration, and the voxels. The field is
+    /// Fusion averages the errors that differ between views; errors of registration and of
+    /// calibration, and the voxels, remain. The field is
     ///
     /// ```text
     /// g(p) = √(2/N) Σ cos(w·p + φ)

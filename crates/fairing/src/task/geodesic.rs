@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use fairing_spectral::{GeodesicPath, Isoline, SurfacePoint};
 use serde_json::{Value, json};
 
-/// Shortest paths with the vertex where each starts, and isolines with the distance of each.
+/// Descent paths with the vertex where each starts, and isolines with the distance of each.
 #[derive(Debug, Clone, Default)]
 pub struct GeodesicLines {
     /// The paths; numbers of starts are those of the file.

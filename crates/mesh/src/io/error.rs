@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub struct ReadError {
     /// The file name as given by the caller.
     pub file: PathBuf,
-    /// The place in the file; in the decompressed content if the file is compressed.
+    /// The position in the file; in the decompressed content if the file is compressed.
     pub at: Place,
     /// The problem.
     pub problem: ReadProblem,
@@ -121,7 +121,7 @@ pub enum ReadProblem {
     /// The file or stream exceeds the limit of [`Reader`](super::Reader).
     #[error("there are more than {limit} bytes, the limit")]
     TooLong {
-        /// The most bytes that are read.
+        /// The largest number of bytes read.
         limit: u64,
     },
     /// The decompressed content exceeds the limit of [`Reader`](super::Reader).
@@ -129,7 +129,7 @@ pub enum ReadProblem {
     Grows {
         /// The size of the file.
         compressed: u64,
-        /// The most bytes it may unpack to.
+        /// The largest number of bytes that it may unpack to.
         limit: u64,
     },
     /// Content that lenient reading leaves out and reports, and strict reading

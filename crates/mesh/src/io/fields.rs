@@ -1,4 +1,4 @@
-//! Data of vertices and faces stored with a mesh in its file.
+//! Data of vertices and faces that a file stores with its mesh.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::io::{NumberType, Statements};
 /// Named fields and colours with one value per vertex, in vertex order, and those of
 /// faces beside them.
 ///
-/// Two are equal if their values are; [`types`](Self::types) do not count.
+/// Two values are equal if their fields are; [`types`](Self::types) do not count.
 #[derive(Debug, Clone, Default)]
 pub struct VertexFields {
     /// Scalar fields by name, in the order of the file.
@@ -27,7 +27,7 @@ pub struct VertexFields {
 
 /// Named fields and colours with one value per face, in face order.
 ///
-/// Two are equal if their values are; [`types`](Self::types) do not count.
+/// Two values are equal if their fields are; [`types`](Self::types) do not count.
 #[derive(Debug, Clone, Default)]
 pub struct FaceFields {
     /// Scalar fields by name, in the order of the file.

@@ -1,4 +1,4 @@
-//! Kinds of file that are no mesh, or a mesh in a format that is not read.
+//! Kinds of files that are not meshes, or meshes in formats that are not read.
 
 /// Programs that read the other formats.
 const VTK: &str = "`meshio convert` or ParaView";

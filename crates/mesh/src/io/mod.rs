@@ -21,8 +21,8 @@
 //!   texture coordinates of corners of OBJ, and colours and normals of OFF become [`VertexFields`];
 //!   objects, groups and materials of OBJ become [`Statements`]. All other content (materials of
 //!   GLB, cameras, …) is ignored and named in the report.
-//! - Names of properties have a meaning in PLY (`x`, `red`, `normal_x`, …), so a field
-//!   of such a name is written under another one, which the report names.
+//! - Names of properties have a meaning in PLY (`x`, `red`, `normal_x`, …), so a field of such a
+//!   name is written under another name, which the report gives.
 //! - GLB is one mesh: the meshes of its scene, transformed by their nodes. glTF in JSON is read
 //!   too, with its buffers in it or beside it.
 //!

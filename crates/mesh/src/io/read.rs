@@ -89,7 +89,7 @@ impl Reader {
             .map_err(|fault| fault.in_file(Path::new("")))
     }
 
-    /// The bytes of a file, all of one state of it.
+    /// The bytes of a file, all from the same state of the file.
     fn load(&self, path: &Path) -> Result<Vec<u8>, Fault> {
         let file = File::open(path)?;
         let before = file.metadata()?;

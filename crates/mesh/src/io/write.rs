@@ -1,4 +1,4 @@
-//! Writing files, bytes and streams; nothing is lost in silence.
+//! Writing files, bytes and streams; lost content is always reported.
 
 use std::borrow::Cow;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! Vertices at one place, and faces that agree.
+//! Vertices at one position, and faces that agree.
 
 use std::collections::HashMap;
 

@@ -1,9 +1,9 @@
-//! Repair: one call that mends what scanners, modellers and exporters leave in files.
+//! Repair of the defects that scanners, modellers and exporters leave in files.
 //!
 //! A round runs the steps in the order of [`RepairStep::ALL`], all but the filling of holes; rounds
 //! follow until one changes nothing. Then holes are filled, and rounds follow again: the result is
-//! taken if less boundary is left. So a second call leaves a repaired mesh as it is, if it merges
-//! within the same distance.
+//! taken if less boundary is left. So a second call that merges within the same distance changes
+//! nothing.
 
 mod copies;
 mod holes;
@@ -30,22 +30,22 @@ const MAX_ROUNDS: usize = 64;
 
 /// Mends a mesh.
 ///
-/// Merges vertices, drops faces and vertices that are of no use, flips faces that disagree,
-/// separates sheets that touch, and on request removes small components and thin faces and fills
-/// holes. The order of what stays is kept, and nothing is moved, except merged vertices by at most
-/// the tolerance and by collapsed needles. The steps:
+/// Merges vertices, drops redundant faces and unused vertices, flips faces that disagree, separates
+/// sheets that touch, and on request removes small components and thin faces and fills holes. The
+/// remaining elements keep their order. Only merged vertices move, by at most the tolerance, and
+/// vertices of collapsed needles. The steps:
 ///
 /// - Sheets at an edge with more than two faces are paired so that each pair bounds a wedge of the
 ///   inside \[gueziec2001\]; a face that is left over, such as a fin on a surface, is cut off.
-/// - A component is closed if it has no boundary. It holds the components inside it, by winding
-///   number, and is flipped with them if it is inside out and no other one holds it.
+/// - A component is closed if it has no boundary. It contains the components inside it, by winding
+///   number, and is flipped with them if it is inside out and inside no other component.
 /// - A needle loses its shortest edge, unless a face would flip or an end lies on another
 ///   boundary; a cap exchanges its longest edge.
 /// - A hole gets the triangulation of least area \[barequet1995\] that repeats no edge of the mesh,
-///   refined to the edge lengths around it \[liepa2003\]. A boundary that passes a place more than
-///   once is a hole for each time, so that holes that touch are filled one by one. Its inner
-///   vertices lie on that triangulation, flat over a curved surface: `repair_fair` of the smoothing
-///   crate bends them.
+///   refined to the edge lengths around it \[liepa2003\]. A boundary that passes a point more than
+///   once is a hole for each time, so that holes that touch are filled one by one. Inner vertices
+///   lie on the flat triangulation, also over a curved surface; `repair_fair` of the smoothing
+///   crate bends the patch.
 ///
 /// Time is linear in the mesh apart from a sort, cubic in the edges of a hole, and for closed
 /// components inside others the product of their number and the faces around them.

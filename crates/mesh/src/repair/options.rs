@@ -63,9 +63,9 @@ pub struct RepairOptions {
     pub merge: bool,
     /// The distance up to which vertices are merged.
     pub tolerance: Tolerance,
-    /// Drops faces with the corners of an earlier face, in any order. Both go if they are a fin of
-    /// a closed surface, which one of them would open; both stay if they are a wall between two
-    /// closed parts.
+    /// Drops faces with the corners of an earlier face, in any order. Both are dropped if they are
+    /// a fin of a closed surface, which one of them would open; both are kept if they are a wall
+    /// between two closed parts.
     pub duplicates: bool,
     /// Flips faces so that neighbours agree, as [`TriMesh::oriented`] does, and closed components
     /// that are inside out and in no other one, with all that they hold.
@@ -104,7 +104,7 @@ impl RepairOptions {
         holes: 0,
     };
 
-    /// No step at all, to choose steps one by one.
+    /// No step, as a base for choosing single steps.
     pub const NONE: Self = Self {
         merge: false,
         duplicates: false,

@@ -76,7 +76,7 @@ pub struct OpenHole {
     pub reason: OpenReason,
 }
 
-/// A reason for which [`repair`](super::repair) leaves a hole open.
+/// The reason why [`repair`](super::repair) leaves a hole open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

@@ -32,7 +32,7 @@ use crate::error::OperatorError;
 use crate::normals::{NormalWeight, weighted_vertex_normals};
 use crate::tangent::{Symmetric2, tangent_frame};
 
-/// The measures of a part of a surface, integrated; they add up.
+/// Integrated measures of a part of a surface; measures of disjoint parts add up.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct CorrectedMeasures {

@@ -4,9 +4,8 @@
 //! H = −½ (Δx)·n,    Δx = −M⁻¹ S x,    K = (2π − Σθ) / A,    κ = H ± √(H² − K)
 //! ```
 //!
-//! The cheapest estimator, without directions. Its integrals converge, and so
-//! do its values on regular meshes; on irregular ones they do not, pointwise.
-//! Sources: [meyer2003], [pinkall1993].
+//! The cheapest estimator, without directions. Its integrals converge; its pointwise values
+//! converge on regular meshes but not on irregular ones. Sources: [meyer2003], [pinkall1993].
 //!
 //! [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
 //! [pinkall1993]: https://doi.org/10.1080/10586458.1993.10504266

@@ -59,8 +59,8 @@ fairing_parameters::algorithms! {
 }
 
 impl Estimator {
-    /// The recommended estimator for unknown meshes: it finds its own scale, on clean meshes and on
-    /// noisy ones, and says how far to trust it.
+    /// The recommended estimator for unknown meshes: it chooses its scale at each vertex, on clean
+    /// and on noisy meshes, and gives standard errors.
     pub const RECOMMENDED: Self = Self::Adaptive(AdaptiveOptions::DEFAULT);
 }
 

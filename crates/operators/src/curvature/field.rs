@@ -10,7 +10,7 @@ use crate::tangent::Symmetric2;
 
 /// Pointwise curvature at each vertex, in vertex order.
 ///
-/// Everything is zero where the status says undefined; nothing is ever NaN.
+/// All values are zero where the status is undefined; no value is NaN.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CurvatureField {
@@ -238,10 +238,9 @@ pub(crate) fn boundary_flags(mesh: &TriMesh) -> Vec<bool> {
 /// κ = H ± √(H² − K)
 /// ```
 ///
-/// On a smooth surface H² ≥ K. Estimates made apart may break that; then both
-/// values are H (the surface is taken as umbilic there), so that their mean
-/// is still H and only K is changed: the second value returned, `K − H² > 0`,
-/// says by how much; it is zero otherwise. Finite for finite input.
+/// On a smooth surface H² ≥ K. Separate estimates of H and K may violate this; then both values are
+/// H, as at an umbilic, so that their mean is still H and only K changes. The second value returned
+/// is this change, `K − H² > 0`, and zero otherwise. Finite for finite input.
 pub fn principal_values(mean: f64, gaussian: f64) -> ([f64; 2], f64) {
     let discriminant = mean * mean - gaussian;
     if discriminant >= 0.0 {

@@ -26,12 +26,12 @@ use crate::fan::Fan;
 use crate::kind::LumpedArea;
 use crate::mass::lumped_mass;
 
-/// The angle defect of each vertex: its Gaussian curvature, integrated.
+/// The angle defect of each vertex: its integrated Gaussian curvature.
 ///
-/// `n` angles in radians, in vertex order; scaling the mesh does not change
-/// them. The sum is 2πχ to rounding, with χ = V − E + F over the vertices that
-/// have faces; isolated ones are zero. Defined on every mesh: where a face
-/// without area does not determine its angles, they are chosen to sum to π.
+/// `n` angles in radians, in vertex order; scaling the mesh does not change them. The sum is 2πχ up
+/// to rounding, with χ = V − E + F over the vertices that have faces; isolated vertices have defect
+/// zero. Defined on every mesh: where a face without area does not determine its angles, they are
+/// chosen to sum to π.
 ///
 /// Source: [meyer2003].
 ///
@@ -66,10 +66,9 @@ pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
 /// Pointwise Gaussian curvature: the angle defect over the area of the vertex,
 /// in 1 / squared mesh units.
 ///
-/// On the boundary the value is geodesic curvature over area and flagged. A
-/// vertex of no positive area is undefined (isolated, only faces without area,
-/// negative Voronoi cell). Inside irregular meshes it does not converge
-/// pointwise, whatever the area; integrals do.
+/// On the boundary the value is geodesic curvature over area and flagged. A vertex of no positive
+/// area is undefined (isolated, only faces without area, negative Voronoi cell). On irregular
+/// meshes pointwise values do not converge, whatever the area; integrals do.
 ///
 /// # Errors
 ///

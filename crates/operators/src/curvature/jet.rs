@@ -4,15 +4,14 @@
 //! z = Σ c(i, j) xⁱ yʲ,    i + j ≤ d
 //! ```
 //!
-//! in the frame of the area-weighted normal, by least squares over the vertex
-//! and its neighbours, each weighted by a Gaussian of its distance, or all
-//! with the same weight. Gradient and second derivatives at the vertex give its curvature;
-//! the frame need not be exact. With a neighbourhood of size h the second
-//! derivatives have an error of order h^(d − 1): jets converge in the maximum
-//! norm on irregular meshes. Coordinates are along the principal axes of the
-//! neighbours, each in its own unit: long faces are fitted as well as round ones.
-//! Where normals turn by more than 30° from that of the vertex, `x² + z²/2` and `y² + z²/2` stand
-//! for `x²` and `y²` up to degree 3, so that spheres are fitted exactly. Source: [cazals2005].
+//! in the frame of the area-weighted normal, by least squares over the vertex and its neighbours,
+//! each weighted by a Gaussian of its distance, or all with the same weight. Gradient and second
+//! derivatives at the vertex give its curvature; the frame need not be exact. With a neighbourhood
+//! of size h the second derivatives have an error of order h^(d − 1), so jets converge in the
+//! maximum norm on irregular meshes. Coordinates are along the principal axes of the neighbours,
+//! each scaled to its own unit, so long faces are fitted as well as round ones. Where normals turn
+//! by more than 30° from that of the vertex, `x² + z²/2` and `y² + z²/2` stand for `x²` and `y²` up
+//! to degree 3, so that spheres are fitted exactly. Source: [cazals2005].
 //!
 //! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 
@@ -53,7 +52,7 @@ impl Field for JetDegree {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum JetWeight {
-    /// All with the same weight: the smallest variance under noise.
+    /// Equal weights: the smallest variance under noise.
     Uniform,
     /// `exp(−½ (r / (s R))²)` at distance r, with R the mean distance of the
     /// neighbours and s this factor: a smaller error on clean meshes.

@@ -15,7 +15,7 @@ use crate::error::OperatorError;
 use crate::fan::Fan;
 use crate::kind::LumpedArea;
 
-/// The mean curvature at each vertex, and the vectors behind it.
+/// The mean curvature at each vertex, with the mean curvature vectors.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct MeanCurvature {
@@ -62,13 +62,12 @@ impl MeanCurvature {
 
 /// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`.
 ///
-/// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
-/// Laplacian for edges of length ℓ. It multiplies by s when the mesh is
-/// scaled by s. On irregular meshes it also sees the unevenness of the
-/// neighbours, tangentially. Source: [taubin1995].
+/// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the Laplacian for edges of
+/// length ℓ. It multiplies by s when the mesh is scaled by s. On irregular meshes the vector also
+/// has a tangential part, from the uneven spacing of the neighbours. Source: [taubin1995].
 ///
-/// Undefined at isolated vertices, and where no normal tells the sign.
-/// Boundary vertices are computed one-sidedly and flagged.
+/// Undefined at isolated vertices, and where no normal defines the sign. Boundary vertices are
+/// computed one-sidedly and flagged.
 ///
 /// [taubin1995]: https://doi.org/10.1145/218380.218473
 pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
@@ -93,8 +92,8 @@ pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
 /// The pointwise mean curvature of `Δx = −M⁻¹ S x` with cotangent weights and
 /// the given area, in 1 / mesh units. Sources: [pinkall1993], [meyer2003].
 ///
-/// Needs no matrix; [`laplacian_mean_curvature`](super::laplacian_mean_curvature)
-/// takes one of any kind, the robust one for instance.
+/// No matrix is assembled; [`laplacian_mean_curvature`](super::laplacian_mean_curvature) takes a
+/// Laplacian of any kind, such as the robust one.
 ///
 /// Undefined at isolated vertices, where the area is not positive, and where
 /// no normal tells the sign. Boundary vertices are computed one-sidedly and
@@ -119,8 +118,8 @@ pub fn mean_curvature(mesh: &TriMesh, area: LumpedArea) -> Result<MeanCurvature,
     })
 }
 
-/// [`mean_curvature`] and [`gaussian_curvature`](super::gaussian_curvature), both
-/// over the same area, in one pass: little more than either takes alone.
+/// [`mean_curvature`] and [`gaussian_curvature`](super::gaussian_curvature) over the same area, in
+/// one pass that takes little longer than either alone.
 ///
 /// # Errors
 ///

@@ -1,17 +1,16 @@
 //! Curvature at the vertices of a triangle mesh.
 //!
-//! Positive where the surface bends away from its outward normal: on a sphere
-//! of radius r, H = κ₁ = κ₂ = 1/r and K = 1/r². Pointwise unless a name says
-//! integrated. A vertex where a value cannot be computed is flagged in a
-//! [`VertexStatus`] and its value is zero; NaN is never a result. Boundary vertices
-//! are flagged apart: their values are one-sided.
+//! Positive where the surface bends away from its outward normal: on a sphere of radius r, H = κ₁ =
+//! κ₂ = 1/r and K = 1/r². Pointwise unless a name says integrated. A vertex where a value cannot be
+//! computed is flagged in a [`VertexStatus`] and its value is zero; NaN is never a result. Boundary
+//! vertices have a separate flag, because their values are one-sided.
 //!
-//! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that turn
-//! against the rest of their part count as flipped. On parts that cannot be oriented, such as
-//! a Möbius band, curvature has no sign: values there are those of the side from which H ≥ 0. Near
-//! the one cut along which faces disagree, values that depend on normals of several faces are less
-//! accurate, as near a border.
-//! [`TriMesh::one_sided_faces`](fairing_mesh::TriMesh::one_sided_faces) finds such parts.
+//! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that disagree
+//! with the rest of their part count as flipped. On parts that cannot be oriented, such as a Möbius
+//! band, curvature has no sign, and values are those of the side from which H ≥ 0. Near the cut
+//! along which faces disagree, values that depend on normals of several faces are less accurate, as
+//! near a border. [`TriMesh::one_sided_faces`](fairing_mesh::TriMesh::one_sided_faces) finds such
+//! parts.
 //!
 //! [`Estimator`] runs any of the methods and returns one type, the
 //! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the

@@ -40,7 +40,7 @@ fairing_parameters::options! {
 
 /// Principal curvatures from the normal cycle over a ball about each vertex.
 ///
-/// Larger balls average out noise and features alike.
+/// Larger balls average out both noise and features.
 ///
 /// Undefined at isolated vertices and where the ball contains no area or
 /// there is no normal. Cost: linear in the faces in a ball, per vertex.

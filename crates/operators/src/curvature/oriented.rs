@@ -1,4 +1,4 @@
-//! Curvature on meshes whose faces do not turn alike.
+//! Curvature on meshes with inconsistently oriented faces.
 
 use fairing_mesh::TriMesh;
 
@@ -19,7 +19,7 @@ pub(super) fn on_oriented<T: Signed, E>(
 
 /// Curvature at vertices, with opposite signs on the two sides of the surface.
 pub(super) trait Signed {
-    /// Takes the side of vertex `v` from which H is not negative.
+    /// Chooses the side of vertex `v` from which H is not negative.
     fn drop_sign(&mut self, v: usize);
 }
 

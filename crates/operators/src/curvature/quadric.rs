@@ -4,11 +4,10 @@
 //! z = a x + b y + ½ (c x² + 2 d xy + e y²)
 //! ```
 //!
-//! in the frame of the area-weighted normal, by least squares over the
-//! neighbours with equal weights. The vertex lies on it exactly, so that its
-//! own noise is not reduced; a jet of degree 2 need not pass through it.
-//! Where it is bent, `x² + z²/2` and `y² + z²/2` stand for the squares, as in jets.
-//! Source: \[panozzo2010\].
+//! in the frame of the area-weighted normal, by least squares over the neighbours with equal
+//! weights. The quadric passes through the vertex, so the noise of the vertex is not reduced; a jet
+//! of degree 2 need not pass through it. Where the surface is strongly bent, `x² + z²/2` and `y² +
+//! z²/2` stand for the squares, as in jets. Source: \[panozzo2010\].
 
 use fairing_mesh::TriMesh;
 

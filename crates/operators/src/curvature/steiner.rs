@@ -1,16 +1,15 @@
 //! Curvature from the dihedral angles at a vertex.
 //!
-//! By Steiner's formula an edge e of length ℓ and dihedral angle θ has the
-//! integrated curvature θ ℓ, all of it across the edge. A vertex gets half of each edge:
+//! By Steiner's formula an edge e of length ℓ and dihedral angle θ has the integrated curvature θ
+//! ℓ, entirely across the edge. Each end of an edge gets half of it:
 //!
 //! ```text
 //! II(v) = 1/A Σₑ ½ θ ℓ m ⊗ m,    m = the unit tangent across e,
 //! ```
 //!
-//! with A the barycentric area. H is half the trace. Cheap, signed, defined on
-//! every mesh; not convergent pointwise. Edges on the boundary, those with more
-//! than two faces, and those whose faces turn against each other do not bend.
-//! Source: [sullivan2008].
+//! with A the barycentric area. H is half the trace. The estimator is cheap, signed and defined on
+//! every mesh; its pointwise values do not converge. Edges on the boundary, those with more than
+//! two faces, and those whose faces turn against each other do not bend. Source: [sullivan2008].
 //!
 //! [sullivan2008]: https://doi.org/10.1007/978-3-7643-8621-4_9
 

@@ -1,8 +1,8 @@
 //! Intrinsic Delaunay triangulations by flipping edges.
 //!
-//! An edge is Delaunay where the angles opposite it sum to at most π, that is
-//! where cot α + cot β ≥ 0. Flipping the edges that are not ends in a
-//! triangulation where all are. Source: [fisher2006].
+//! An edge is Delaunay if the angles opposite it sum to at most π, that is, if cot α + cot β ≥ 0.
+//! Flipping edges that are not Delaunay ends in a triangulation in which all edges are. Source:
+//! [fisher2006].
 //!
 //! [fisher2006]: https://doi.org/10.1007/s00607-007-0249-8
 

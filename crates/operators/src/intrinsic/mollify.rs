@@ -1,17 +1,15 @@
 //! Lengths raised where triangles have no area.
 //!
-//! [sharp2020] adds one ε to all lengths, enough for the worst triangle. The
-//! theory only needs the result of that: lengths, the same on both sides
-//! of an edge, with which every triangle has area. Any such lengths are a
-//! metric, with its own Delaunay triangulation and positive semi-definite
-//! operators. But one triangle without area then lengthens every edge, and a
-//! part of the mesh that is small beside it becomes another shape.
+//! [sharp2020] adds one ε to all lengths, enough for the worst triangle. The theory only requires
+//! lengths that are the same on both sides of an edge and with which every triangle has area. Any
+//! such lengths are a metric, with its own Delaunay triangulation and positive semi-definite
+//! operators. But with a single ε, one triangle without area lengthens every edge, and a much
+//! smaller part of the mesh changes its shape.
 //!
-//! So ε is common to a *patch* here: a triangle that lacks slack raises its own
-//! three sides by what it lacks, and every neighbour that this makes lack
-//! slack joins the patch. Patches end at the first triangles that have slack to
-//! spare, and nothing is raised beyond. Where all triangles lack it, the patch
-//! is the mesh, and the lengths are those of the source.
+//! Here ε is therefore common to a *patch* only: a triangle that lacks slack raises its own three
+//! sides by the missing amount, and every neighbour that lacks slack as a result joins the patch.
+//! Patches end at the first triangles with enough slack, and no side beyond them is raised. If all
+//! triangles lack slack, the patch is the mesh, and the lengths are those of the source.
 //!
 //! [sharp2020]: https://doi.org/10.1111/cgf.14069
 

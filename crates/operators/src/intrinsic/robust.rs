@@ -1,4 +1,4 @@
-//! Stiffness and mass that exist on any triangle soup.
+//! Stiffness and mass for any triangle soup.
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
@@ -54,20 +54,19 @@ pub struct IntrinsicFaces {
 /// Assembles a stiffness and a mass on any triangle mesh that has an edge of a
 /// length above zero.
 ///
-/// All entries are finite. Off-diagonal entries of the stiffness are not
-/// positive, up to 10⁻¹⁰ (where `stuck` is zero), and masses of vertices with
-/// faces are positive. On a closed manifold mesh that is Delaunay and has no
-/// thin face these are the plain cotangent stiffness and the barycentric mass.
-/// Borders take part in flips too: the sheet is seen as a flattened closed
-/// surface, whose two sides are averaged.
+/// All entries are finite. Off-diagonal entries of the stiffness are not positive, up to 10⁻¹⁰
+/// (where `stuck` is zero), and masses of vertices with faces are positive. On a closed manifold
+/// mesh that is Delaunay and has no thin face the result is the plain cotangent stiffness and the
+/// barycentric mass. Edges at borders are flipped, too, because the sheet counts as a flattened
+/// closed surface, whose two sides are averaged.
 ///
-/// Cost: linear but for the flips, whose number is small on real meshes.
+/// Cost: linear except for the flips, whose number is small on real meshes.
 ///
 /// # Errors
 ///
-/// [`OperatorError::NoLength`] if no edge has a length above zero (a mesh
-/// without faces is fine, and zero); [`OperatorError::DegenerateFace`] if a
-/// triangle has no area even so; [`OperatorError::TooLarge`] beyond 2³² entries.
+/// [`OperatorError::NoLength`] if no edge has a length above zero (a mesh without faces has zero
+/// operators instead); [`OperatorError::DegenerateFace`] if a triangle has no area after
+/// mollification; [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
 /// Source: [sharp2020].
 ///
@@ -102,8 +101,8 @@ fn longest_of(triangles: &Triangulation, t: usize) -> f64 {
     triangles.length[3 * t..3 * t + 3].iter().copied().fold(0.0, f64::max)
 }
 
-/// Cotangent stiffness and barycentric mass of the triangles of a cover.
-/// An edge from a vertex to itself has no part in the stiffness.
+/// Cotangent stiffness and barycentric mass of the triangles of a cover. An edge from a vertex to
+/// itself does not contribute to the stiffness.
 fn assemble(
     n: usize,
     triangles: &Triangulation,

@@ -1,18 +1,17 @@
-//! The Laplacian of a mesh: stiffness and mass, of one kind each.
+//! The Laplacian of a mesh: a stiffness and a mass, each of one kind.
 //!
 //! ```text
-//! S u integrated,    M⁻¹ S u ≈ −Δu pointwise,    S φ = λ M φ
+//! S u integrated,    M⁻¹ S u ≈ −Δu pointwise,    S φ = ω M φ
 //! ```
 //!
-//! Spectra, heat, geodesic distance, Poisson problems and mean curvature take a
-//! [`Laplacian`] by reference. It is assembled by
-//! [`cotan_stiffness`](crate::cotan_stiffness), [`combinatorial_laplacian`],
-//! [`robust_laplacian`], [`polygon_laplacian`], [`lumped_mass`](crate::lumped_mass)
-//! and [`consistent_mass`](crate::consistent_mass), the functions that assemble.
+//! Spectra, heat, geodesic distance, Poisson problems and mean curvature take a [`Laplacian`] by
+//! reference. The matrices are assembled by [`cotan_stiffness`](crate::cotan_stiffness),
+//! [`combinatorial_laplacian`], [`robust_laplacian`], [`polygon_laplacian`],
+//! [`lumped_mass`](crate::lumped_mass) and [`consistent_mass`](crate::consistent_mass).
 //!
 //! An isolated vertex has a zero row in the stiffness and the mass zero.
-//! [`Laplacian::positive_mass`] is for systems that need a positive number
-//! there, and [`Laplacian::restricted`] leaves such vertices out.
+//! [`Laplacian::positive_mass`] is for systems that need a positive mass there, and
+//! [`Laplacian::restricted`] omits such vertices.
 
 mod choice;
 mod mass;
@@ -139,8 +138,7 @@ impl Laplacian {
         })
     }
 
-    /// [`LaplacianKind::Auto`] with the barycentric mass: for a mesh of which
-    /// nothing is known.
+    /// [`LaplacianKind::Auto`] with the barycentric mass: the choice for unknown meshes.
     ///
     /// # Errors
     ///
@@ -224,13 +222,12 @@ impl Laplacian {
         })
     }
 
-    /// The kind that was taken, never [`LaplacianKind::Auto`] or
-    /// [`LaplacianKind::NonNegative`].
+    /// The kind chosen, never [`LaplacianKind::Auto`] or [`LaplacianKind::NonNegative`].
     pub fn kind(&self) -> LaplacianKind {
         self.kind
     }
 
-    /// Why that kind was taken.
+    /// The reason for the kind.
     pub fn reason(&self) -> Reason {
         self.reason
     }
@@ -240,8 +237,8 @@ impl Laplacian {
         self.mass_kind
     }
 
-    /// The triangles of the robust kind, and what was done to get them; `None`
-    /// for the others.
+    /// The triangles of the robust kind, with counts of mollified and flipped edges; `None` for
+    /// other kinds.
     pub fn intrinsic(&self) -> Option<&Intrinsic> {
         self.intrinsic.as_ref()
     }
@@ -264,11 +261,10 @@ impl Laplacian {
     /// The mass with a positive number at isolated vertices too: the mean of
     /// the masses of all vertices (1 where all are zero).
     ///
-    /// The rule for isolated vertices: their rows of the stiffness and
-    /// their masses are zero, so that they add nothing to an area, an integral
-    /// or a mode. A system `M + tS` needs a positive number in their rows, and
-    /// any number will do: nothing else has an entry there, so that the value
-    /// does not change. The mean does not worsen the condition of the system.
+    /// Rows of the stiffness and masses are zero at isolated vertices, so that they add nothing to
+    /// an area, an integral or a mode. A system `M + tS` needs a positive number in their rows. Any
+    /// number is correct, because the row has no other entry and the value does not change; the
+    /// mean does not worsen the condition of the system.
     ///
     /// # Errors
     ///
@@ -283,7 +279,7 @@ impl Laplacian {
         &self.isolated
     }
 
-    /// Stiffness and mass, to keep.
+    /// Consumes the Laplacian; returns stiffness and mass.
     pub fn into_parts(self) -> (SparseMatrix, MassMatrix) {
         (self.stiffness, self.mass)
     }

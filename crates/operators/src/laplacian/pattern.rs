@@ -1,9 +1,8 @@
 //! Cotangents and areas on a fixed pattern.
 //!
-//! Flows that rebuild their operator in each step change positions, never faces:
-//! the places of the entries of a row, and the corners that add to them, stay the
-//! same. A step then costs one pass over the faces and one over the corners, a
-//! tenth of the cost of finding the pattern.
+//! Flows that rebuild their operator in each step change positions, never faces, so the places of
+//! the entries of a row, and the corners that add to them, stay the same. A step then costs one
+//! pass over the faces and one over the corners, a tenth of the cost of finding the pattern.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -77,8 +76,8 @@ struct Rows {
 }
 
 impl CotangentPattern {
-    /// Finds the pattern, for masses of these areas. Vertices for which
-    /// `fixed` is true have empty rows.
+    /// Finds the pattern, for masses of the given areas. Vertices for which `fixed` is true have
+    /// empty rows.
     ///
     /// # Errors
     ///

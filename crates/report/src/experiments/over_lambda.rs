@@ -143,7 +143,8 @@ pub(super) const IMPLICIT: usize = 0;
 /// The style of explicit steps.
 pub(super) const EXPLICIT: usize = 1;
 
-/// Errors over λ, by normals and by the distance of the surfaces, in the colour of a method.
+/// Errors over λ, by normals and by the distance of the surfaces; the first mesh has the colour of
+/// the method.
 pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
     for (column, unit) in [("normal error", "degrees"), ("surface error", "h")] {
@@ -157,7 +158,7 @@ pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Pictur
             let errors = rows.rows.iter().map(|row| row[errors].number());
             let points = rows.column("lambda")?.into_iter().zip(errors);
             let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
-            let style = Some(method + Series::COLORS * k);
+            let style = Some(method + (Series::COLORS + 2) * k);
             plot.series.push(Series { style, ..Series::marked(mesh, points) });
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));

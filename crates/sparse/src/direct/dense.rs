@@ -62,7 +62,7 @@ impl Panel<'_> {
     }
 }
 
-/// The given rows of L D, by rows.
+/// The given rows of L D, row by row.
 fn scale(
     columns: &[f64],
     width: usize,

@@ -103,9 +103,10 @@ pub struct EigenPairs {
     /// because weights differ widely, some ε φᵀ diag(S) φ is added. λ is within its residual of an
     /// eigenvalue of the exact matrix.
     pub residuals: Vec<f64>,
-    /// True if an inertia count or a dense decomposition proves that no smaller eigenvalue was
-    /// missed; false if pivot growth makes the count unreliable. The accuracy of the pairs is a
-    /// separate matter: `residuals` obey [`EigenOptions::residual_limit`], certified or not.
+    /// True if an inertia count or a dense decomposition, both in floating point, verified that no
+    /// smaller eigenvalue was missed; false if pivot growth makes the count unreliable. The
+    /// accuracy of the pairs is a separate matter: `residuals` obey
+    /// [`EigenOptions::residual_limit`], certified or not.
     pub certified: bool,
     /// Known eigenvalues after the last pair.
     pub beyond: Beyond,

@@ -176,7 +176,7 @@ struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// The cells of a kind of [`CELLS`], if there are any.
+    /// The cells of a kind of [`CELLS`], if any.
     fn read(
         decoder: &mut Decoder<'_>,
         piece: &'a Piece,

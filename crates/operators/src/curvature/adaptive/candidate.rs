@@ -91,7 +91,7 @@ pub(super) struct Candidates {
     valid: u16,
     /// The variance of each candidate over that on a regular plane, as at borders; at least 1.
     pub(super) amplified: [f32; COUNT],
-    /// A bit for each jet whose neighbourhood turns so little that it may judge others.
+    /// A bit for each jet whose neighbourhood is flat enough for comparisons with other candidates.
     steady: u16,
     /// The components along the tangents of the normals of the jets.
     pub(super) lean: [[f32; 2]; jets::RADII.len()],

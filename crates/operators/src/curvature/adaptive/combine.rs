@@ -130,7 +130,7 @@ fn normal(site: &Site, all: &Candidates, weights: &[f64; COUNT]) -> DVec3 {
 }
 
 impl Combined {
-    /// These H and K with their squared errors, in the unit of the sites.
+    /// Given H and K with their squared errors, in the unit of the sites.
     fn replaced(self, [[h, of_h], [k, of_k]]: [[f64; 2]; 2], site: &Site, length: f64) -> Self {
         let half = 0.5 * (self.at.values[0] - self.at.values[1]);
         let directions = self.at.directions;
@@ -139,7 +139,7 @@ impl Combined {
         Self { at, errors, scale: length, normal: site.normal }
     }
 
-    /// The estimate of one ring, without a statement on its error.
+    /// The estimate of one ring, without an error estimate.
     fn one_ring(sites: &Sites, v: usize) -> Result<Self, Undefined> {
         let (site, length) = (&sites.all[v], sites.length[v]);
         let value = density(sites, v).ok_or(Undefined::NoArea)?;

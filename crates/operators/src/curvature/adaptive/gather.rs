@@ -66,9 +66,10 @@ impl Gathering {
         radii[radii.len() - 1]
     }
 
-    /// Returns false where there are too many vertices.
+    /// Returns false if there are too many vertices.
     ///
-    /// Ring by ring, without a branch on what was reached before, which is hard to predict.
+    /// Ring by ring, without the branch on whether a vertex was reached before, which is hard to
+    /// predict.
     fn search(&mut self, sites: &Sites, topology: &Topology, v: u32, radius: f64) -> bool {
         let Self { reached_in, searches, queue, found } = self;
         *searches += 1;

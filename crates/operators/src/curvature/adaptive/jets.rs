@@ -154,8 +154,9 @@ impl NullaryFnOnce for Fitting<'_> {
 /// The height of the surface over the tangent plane through the vertex, which has noise: the
 /// intercept of a paraboloid about the normal.
 ///
-/// Heights in the terms are over this base. If they were over the vertex, squared heights would
-/// hold products of its noise with that of the others, and the fit would follow the noise.
+/// Heights in the terms are relative to this base. If they were relative to the vertex, squared
+/// heights would contain products of its noise with the noise of the others, and the fit would
+/// follow the noise.
 #[inline(always)]
 fn base(found: &[Neighbor]) -> f64 {
     let (mut matrix, mut rhs) = ([[0.0; 4]; 4], [0.0; 4]);

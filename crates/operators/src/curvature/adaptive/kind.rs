@@ -3,11 +3,11 @@
 /// The relation between the noise of neighbouring vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum NoiseKind {
-    /// Each vertex by itself.
+    /// Independent from vertex to vertex.
     Independent,
-    /// Neighbours alike, as in the waves of a scanner: the mesh looks smooth, and small radii
-    /// agree with each other but not with large ones. All radii are then taken, and the error is
-    /// the difference from the next larger one.
+    /// Similar at neighbours, as in the waves of a scanner: the mesh looks smooth, and small radii
+    /// agree with each other but not with large ones. All radii are then used, and the error is the
+    /// difference from the next larger radius.
     Correlated,
 }
 

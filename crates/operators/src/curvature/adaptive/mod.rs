@@ -1,4 +1,4 @@
-//! Curvature that finds its own scale.
+//! Curvature at a scale that is chosen at each vertex.
 //!
 //! Three families of candidates, at radii of 1.4 to 11 local mean edges (the mean of the edges at
 //! a vertex, smoothed four times):
@@ -8,27 +8,28 @@
 //! - weighted means of the same densities;
 //! - jets of degree 4 in which x² + y² is replaced by x² + y² + z², so that spheres are exact.
 //!
-//! The noise σ along the normal is the median distance from a jet over its standard deviation. With
-//! it, the variance of each candidate is known: that of jets from their equations, that of the
-//! others from a regular plane. The squared bias of a candidate θ of radius r is
+//! The noise σ along the normal is the median distance from a jet over its standard deviation. It
+//! gives the variance of each candidate: for jets from their equations, for the others from a
+//! regular plane. The squared bias of a candidate θ of radius r is
 //!
 //! ```text
 //! b² = q² [P(θ₊ − θ)² − P Var(θ₊ − θ)]₊,    q = ρᵖ / (1 − ρᵖ),    ρ = r / r₊
 //! ```
 //!
-//! with θ₊ that of the next larger radius, P a mean over the neighbours within some 4 edges, p = 4
-//! and, for means, p = 2. It is at least that of smaller radii of the family, and at least the
-//! significant part of the differences from them and from the best jet. Candidates have weights
-//! (b² + Var)⁻⁴, for H and for K apart. The standard error is √(b² + Var) of the weighted mean.
+//! with θ₊ the candidate of the next larger radius, P a mean over the neighbours within about 4
+//! edges, and p = 4, or p = 2 for means. The squared bias is at least that of smaller radii of the
+//! family, and at least the significant part of the differences from them and from the best jet.
+//! Candidates have weights (b² + Var)⁻⁴, separately for H and for K. The standard error is √(b² +
+//! Var) of the weighted mean.
 //!
 //! Candidates are left out where the surface turns too far. Where it turns by more than about 100°
 //! within 2.75 edges, H and K are those of the [cotangent formula](super::cotangent_curvature) and
 //! the angle defect on clean meshes, and densities of one ring under noise.
 //!
-//! **At borders** neighbourhoods are one-sided: variance and bias are scaled by what the equations
-//! of each fit say. Under noise of a tenth of an edge, expect several times the error of the inside
-//! within three rings of a border. **At creases** the field is a smooth one over some scale, and
-//! its standard error is too small.
+//! **At borders** neighbourhoods are one-sided, so variance and bias are scaled as the equations of
+//! each fit require. Under noise of a tenth of an edge, the error within three rings of a border is
+//! several times that inside. **At creases** the field is smoothed over some scale, and its
+//! standard error is too small.
 //!
 //! Constants were chosen on 28 surfaces (`tuning` in `examples/adaptive.rs`), the treatment of
 //! coarse neighbourhoods also on 28 others (`checking`); nothing was chosen on the last 28
@@ -91,13 +92,13 @@ fairing_parameters::options! {
         ["lachaud2020", "cazals2005"];
 }
 
-/// Curvature at a scale of its own at each vertex, with standard errors, scales and the level of
-/// noise ([`CurvatureField::accuracy`]).
+/// Estimates curvature at a scale chosen at each vertex, with standard errors, scales and the level
+/// of noise ([`CurvatureField::accuracy`]).
 ///
-/// H and K are combined each by itself, so that κ₁ κ₂ = K holds only within their errors;
-/// κ₁ + κ₂ = 2H is exact. Undefined at isolated vertices, without a normal, and where one ring has
-/// no area along its normals and nothing wider is valid. n·log n for n vertices: a neighbourhood
-/// has at most 1200 of them.
+/// H and K are combined separately, so κ₁ κ₂ = K holds only within their errors; κ₁ + κ₂ = 2H is
+/// exact. Undefined at isolated vertices, at vertices without a normal, and where one ring has no
+/// area along its normals and no larger neighbourhood is valid. n·log n for n vertices: a
+/// neighbourhood has at most 1200 of them.
 ///
 /// # Errors
 ///
@@ -150,11 +151,12 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
 const COARSE_NOISE: f64 = 0.06 * 0.06;
 
 /// H and K and their squared errors, in the unit of the sites, where the neighbourhood is too
-/// coarse for any fit: means of the cotangent formula with the angle defect, which have little
-/// bias, and of the density of corrected measures of one ring, which has little noise.
+/// coarse for any fit: the mean of two estimates, the cotangent formula with the angle defect,
+/// which has little bias, and the density of corrected measures of one ring, which has little
+/// noise.
 ///
-/// Their difference is rough where it is noise of the former, and even where it is bias of the
-/// latter.
+/// The difference of both is rough where it is noise of the former, and smooth where it is bias of
+/// the latter.
 fn coarse(
     mesh: &TriMesh,
     sites: &Sites,

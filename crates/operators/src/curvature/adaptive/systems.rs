@@ -1,7 +1,8 @@
 //! Normal equations of four fits at once, a lane for each.
 //!
-//! A factorisation and a solution are chains of operations that wait for each other: four of them
-//! take the time of one. As in [`NormalEquations`](crate::NormalEquations) of a single fit.
+//! Factorisation and solution are chains of dependent operations, so four of them in parallel lanes
+//! take the time of one. The formulas are those of [`NormalEquations`](crate::NormalEquations) for
+//! a single fit.
 
 /// A number for each fit.
 pub(super) type Lanes = [f64; LANES];

@@ -33,7 +33,7 @@ pub(super) fn for_input(input: Input) -> Option<StandIn> {
     let (mesh, about, made_by) = match input {
         Input::Flower => (
             shapes::flower(0.0714, SEED),
-            "an open flower of six petals with very uneven faces",
+            "an open flower of four petals with very uneven faces",
             format!("shapes::flower(0.0714, {SEED})"),
         ),
         Input::Plane => (
