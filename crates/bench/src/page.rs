@@ -122,7 +122,8 @@ the time of a command from start to end, with its files. Tables from different d
 table only.
 ";
 
-/// Published times of another solver of eigenproblems beside ours, `{ours}`, of the machine `{cpu}`.
+/// Published times of another solver of eigenproblems beside ours, `{ours}`, of the machine
+/// `{cpu}`.
 const PUBLISHED: &str = "
 ### Published times
 
