@@ -28,6 +28,7 @@ from ._core import (
 )
 from ._dataset import dataset
 from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
+from ._elements import Moments
 from ._geodesic import GeodesicSolver, Polyline
 from ._heat import HeatSolver
 from ._mesh import Mesh, read, read_bytes
@@ -56,6 +57,7 @@ __all__ = [
     "Laplacian",
     "Mesh",
     "MeshError",
+    "Moments",
     "NoiseLevel",
     "OptionError",
     "Polyline",

@@ -15,6 +15,7 @@ from ._arrays import Bools, Floats, Indices
 from ._calls import Progress, call, warn
 from ._checks import warn_of_orientation
 from ._docs import documented
+from ._elements import Elements
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -26,13 +27,13 @@ if TYPE_CHECKING:
 Fields = Mapping[str, npt.NDArray[Any]]
 
 
-class Mesh:
+class Mesh(Elements):
     """An immutable triangle mesh.
 
     Parameters
     ----------
-    vertices : array_like, shape (n, 3)
-        Positions, in mesh units. Or an object with arrays: a `Mesh`, or a mesh of trimesh
+    vertices : array_like, shape (n, 3) or (n, 2)
+        Positions, in mesh units; in a plane with z = 0. Or an object with arrays: a `Mesh`, or a mesh of trimesh
         (`vertices`, `faces`) or meshio (`points`, `cells`), whose numbers are copied once.
     faces : array_like of int, shape (m, 3), optional
         Corners, counter-clockwise seen from outside, numbered from 0.
@@ -85,7 +86,7 @@ class Mesh:
         elif faces is None:
             core, own, own_of_faces = _fields.from_object(vertices)
         else:
-            core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
+            core = _core.Mesh(_arrays.vertices(vertices, planar=True), _arrays.faces(faces))
         self._fill(core, {**own, **(fields or {})}, {**own_of_faces, **(face_fields or {})}, {})
 
     def _fill(
@@ -142,8 +143,8 @@ class Mesh:
 
         Parameters
         ----------
-        vertices : array_like, shape (n, 3)
-            Positions, in mesh units.
+        vertices : array_like, shape (n, 3) or (n, 2)
+            Positions, in mesh units; in a plane with z = 0.
         polygons : sequence of sequences of int, or array_like of int, shape (m, k)
             The corners of each polygon, counter-clockwise seen from outside.
         fields : mapping of str to array_like, optional
@@ -155,7 +156,7 @@ class Mesh:
             Its triangles in the order of the polygons, which it keeps (`polygons`).
         """
         corners, sizes = _arrays.polygons(polygons)
-        core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call())
+        core = _core.from_polygons(_arrays.vertices(vertices, planar=True), corners, sizes, call())
         return cls._of(core, fields)
 
     @property
@@ -268,15 +269,15 @@ class Mesh:
 
         Parameters
         ----------
-        vertices : array_like, shape (n, 3)
-            Positions, in mesh units.
+        vertices : array_like, shape (n, 3) or (n, 2)
+            Positions, in mesh units; in a plane with z = 0.
 
         Returns
         -------
         Mesh
             With the same fields except normals, which depend on the positions.
         """
-        return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
+        return self._moved(self._core.with_vertices(_arrays.vertices(vertices, planar=True)))
 
     def with_fields(self, fields: Mapping[str, npt.ArrayLike] | None = None, **more: npt.ArrayLike) -> Self:
         """The same mesh with more vertex data; fields of the same names are replaced.

@@ -18,6 +18,7 @@ mod smoothing;
 mod spectrum;
 mod surfaces;
 mod tables;
+mod topology;
 
 use pyo3::pymodule;
 
@@ -59,6 +60,10 @@ mod _core {
     use super::surfaces::Surface;
     #[pymodule_export]
     use super::tables::tables;
+    #[pymodule_export]
+    use super::topology::{
+        boundary_loops, corner_angles, dihedral_angles, face_neighbors, moments, special_edges,
+    };
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
