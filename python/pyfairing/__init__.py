@@ -35,6 +35,7 @@ from ._mesh import Mesh, read, read_bytes
 from ._parts import Closest, Components
 from ._pictures import View
 from ._results import Curvature, Laplacian, NoiseLevel, Scores
+from ._solvers import CholeskyFactor, cholesky, eigsh
 from ._spectrum import Spectrum
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "LAPLACIANS",
     "MASSES",
     "METHODS",
+    "CholeskyFactor",
     "Closest",
     "Components",
     "ComputationError",
@@ -65,8 +67,10 @@ __all__ = [
     "Spectrum",
     "View",
     "__version__",
+    "cholesky",
     "compare",
     "dataset",
+    "eigsh",
     "grade",
     "polygon_laplacian",
     "read",

@@ -15,6 +15,7 @@ mod repair;
 mod run;
 mod shapes;
 mod smoothing;
+mod solvers;
 mod spectrum;
 mod surfaces;
 mod tables;
@@ -54,6 +55,8 @@ mod _core {
     use super::smoothing::denoise;
     #[pymodule_export]
     use super::smoothing::smooth;
+    #[pymodule_export]
+    use super::solvers::{Factor, eigsh};
     #[pymodule_export]
     use super::spectrum::{Spectrum, spectrum};
     #[pymodule_export]
