@@ -27,6 +27,7 @@ from ._core import (
     __version__,
 )
 from ._dataset import dataset
+from ._diffusion import DiffusionOperators
 from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
 from ._elements import Moments
 from ._geodesic import GeodesicSolver, Polyline
@@ -50,6 +51,7 @@ __all__ = [
     "Components",
     "ComputationError",
     "Curvature",
+    "DiffusionOperators",
     "FairingError",
     "FairingWarning",
     "FlowError",

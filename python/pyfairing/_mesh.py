@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _computing, _core, _fields, _geodesic, _moving, _parts, _pictures
+from . import _arrays, _computing, _core, _diffusion, _fields, _geodesic, _moving, _parts, _pictures
 from ._arrays import Bools, Floats, Indices
 from ._calls import Progress, call, warn
 from ._checks import warn_of_orientation
@@ -403,6 +403,7 @@ class Mesh(Elements):
     vertex_normals = _computing.vertex_normals
     curvature = _computing.curvature
     spectrum = _computing.spectrum
+    diffusion_operators = _diffusion.diffusion_operators
     heat = _computing.heat
     poisson = _computing.poisson
     info = _computing.info
