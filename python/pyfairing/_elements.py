@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from ._arrays import Floats, Labels
@@ -41,8 +42,9 @@ class Elements:
 
     _core: CoreMesh
 
-    def _ends(self, edges: np.ndarray) -> Labels:
-        return self._core.edges(call())[edges].astype(np.int64)
+    def _ends(self, edges: npt.NDArray[Any]) -> Labels:
+        ends: Labels = self._core.edges(call())[edges].astype(np.int64)
+        return ends
 
     @property
     def boundary_edges(self) -> Labels:
