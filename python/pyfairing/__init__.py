@@ -27,13 +27,16 @@ from ._core import (
     __version__,
 )
 from ._dataset import dataset
+from ._diffusion import DiffusionOperators
 from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
+from ._elements import Moments
 from ._geodesic import GeodesicSolver, Polyline
 from ._heat import HeatSolver
 from ._mesh import Mesh, read, read_bytes
 from ._parts import Closest, Components
 from ._pictures import View
 from ._results import Curvature, Laplacian, NoiseLevel, Scores
+from ._solvers import CholeskyFactor, cholesky, eigsh
 from ._spectrum import Spectrum
 
 __all__ = [
@@ -43,10 +46,12 @@ __all__ = [
     "LAPLACIANS",
     "MASSES",
     "METHODS",
+    "CholeskyFactor",
     "Closest",
     "Components",
     "ComputationError",
     "Curvature",
+    "DiffusionOperators",
     "FairingError",
     "FairingWarning",
     "FlowError",
@@ -56,6 +61,7 @@ __all__ = [
     "Laplacian",
     "Mesh",
     "MeshError",
+    "Moments",
     "NoiseLevel",
     "OptionError",
     "Polyline",
@@ -63,8 +69,10 @@ __all__ = [
     "Spectrum",
     "View",
     "__version__",
+    "cholesky",
     "compare",
     "dataset",
+    "eigsh",
     "grade",
     "polygon_laplacian",
     "read",

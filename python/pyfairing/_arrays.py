@@ -33,11 +33,13 @@ def floats(values: npt.ArrayLike, name: str) -> Floats:
     return np.asarray(array, dtype=np.float64)
 
 
-def vertices(values: npt.ArrayLike, name: str = "vertices") -> Floats:
-    """An (n, 3) array of float64, row by row."""
+def vertices(values: npt.ArrayLike, name: str = "vertices", *, planar: bool = False) -> Floats:
+    """An (n, 3) array of float64, row by row; if `planar` also from (n, 2), with z = 0."""
     array = floats(values, name)
     if array.size == 0 and array.ndim < 2:
         array = array.reshape(0, 3)
+    if planar and array.ndim == 2 and array.shape[1] == 2:
+        array = np.column_stack([array, np.zeros(len(array))])
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"{name} have the shape {array.shape}, but must have (n, 3)")
     return np.ascontiguousarray(array)
@@ -108,6 +110,16 @@ def field(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -
         raise OptionError(f"{name} has the shape {array.shape}, but must have ({n},)")
     finite(array, name)
     return np.ascontiguousarray(array)
+
+
+def fields(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -> tuple[Floats, bool]:
+    """Fields as columns of finite numbers, or a single number if `constant`; true for one field."""
+    array = floats(values, name)
+    if constant and array.ndim == 0:
+        array = np.full(n, array)
+    if array.ndim not in (1, 2) or len(array) != n:
+        raise OptionError(f"{name} has the shape {array.shape}, but must have ({n},) or ({n}, k)")
+    return columns(array, name)
 
 
 def columns(values: npt.ArrayLike, name: str) -> tuple[Floats, bool]:

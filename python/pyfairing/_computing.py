@@ -250,7 +250,7 @@ def spectrum(
 def heat(
     self: Mesh,
     temperatures: npt.ArrayLike,
-    time: float,
+    time: float | None = None,
     kind: Kind = "auto",
     mass: MassKind = "barycentric",
     *,
@@ -260,14 +260,14 @@ def heat(
 ) -> Floats:
     """Diffuses heat by implicit steps: (M + tS) u = M u₀.
 
-    For several fields, create one `HeatSolver`.
+    For other fields at the same time, create one `HeatSolver`.
 
     Parameters
     ----------
-    temperatures : array_like, shape (n,)
-        Initial temperatures.
-    time : float
-        Length of a step, in squared mesh units.
+    temperatures : array_like, shape (n,) or (n, d)
+        Initial temperatures, of one field or of one in each column.
+    time : float, optional
+        Length of a step, in squared mesh units; by default the squared mean edge length.
     kind : str
         One of {laplacians}.
     mass : str
@@ -278,7 +278,14 @@ def heat(
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape of temperatures
+
+    Examples
+    --------
+    >>> import numpy as np, pyfairing as pf
+    >>> ball = pf.shapes.icosphere(3)
+    >>> bool(np.ptp(ball.heat(ball.vertices), axis=0).max() < 2)   # each coordinate decays
+    True
     """
     solver = HeatSolver(self, time, kind, mass, threads=threads)
     return solver.step(temperatures, steps=steps, threads=threads, progress=progress)
@@ -300,32 +307,37 @@ def poisson(
 
     Parameters
     ----------
-    f : float or array_like, shape (n,)
-        Pointwise values; a number is constant.
+    f : float or array_like, shape (n,) or (n, d)
+        Pointwise values, of one problem or of one in each column; a number is constant.
     kind : str
         One of {laplacians}.
     mass : str
         One of {masses}.
     fixed : array_like of int, shape (j,)
         The vertices where u is prescribed.
-    values : array_like, shape (j,)
-        The values of u there.
+    values : array_like, shape (j,) or (j, d)
+        The values of u there, for all columns or for each.
     {run}
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (n,) or (n, d)
         On components without a fixed vertex the mean of f is subtracted, and u has mean
         zero.
     """
     n = self._core.vertex_count
     vertices = _arrays.numbers(fixed, n, "fixed")
-    at_fixed = _arrays.field(values, len(vertices), "values")
-    field = _arrays.field(f, n, "f", constant=True)
-    u, note = _core.poisson(self._core, field, vertices, at_fixed, kind, mass, call(threads, progress))
+    at_fixed, fixed_flat = _arrays.fields(values, len(vertices), "values")
+    fields, flat = _arrays.fields(f, n, "f", constant=True)
+    counts = {fields.shape[1], at_fixed.shape[1]} - {1}
+    if len(counts) > 1:
+        raise _core.OptionError(f"f has {fields.shape[1]} columns, but values {at_fixed.shape[1]}")
+    d = counts.pop() if counts else 1
+    fields, at_fixed = (np.broadcast_to(a, (len(a), d)) for a in (fields, at_fixed))
+    u, note = _core.poisson(self._core, fields, vertices, at_fixed, kind, mass, call(threads, progress))
     if note:
         warn(note)
-    return u
+    return u[:, 0] if flat and fixed_flat else u
 
 
 @documented
@@ -394,6 +406,7 @@ def compare(
     reference: Mesh,
     *,
     hausdorff_tolerance: float = 1e-4,
+    unit: Literal["diagonal", "model"] = "diagonal",
     feature_angle: float = 30.0,
     threads: int | None = None,
     progress: Progress = None,
@@ -409,8 +422,10 @@ def compare(
     mesh, reference : Mesh
         Scores that compare element by element need the same faces.
     hausdorff_tolerance : float
-        Largest gap between the two bounds of the Hausdorff distance, in diagonals; at least
-        the rounding of the coordinates.
+        Largest gap between the two bounds of the Hausdorff distance; at least the rounding of
+        the coordinates.
+    unit : {'diagonal', 'model'}
+        Of the tolerance: diagonals of the bounding box of the reference, or mesh units.
     feature_angle : float
         Smallest dihedral angle of a sharp edge, in degrees.
     {run}
@@ -421,7 +436,11 @@ def compare(
         A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
         of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
     """
+    if unit not in ("diagonal", "model"):
+        raise _core.OptionError(f"unit is {unit!r}, but must be 'diagonal' or 'model'")
+    size = reference.diagonal if unit == "model" else 1.0
+    tolerance = float(hausdorff_tolerance) / size if size else float(hausdorff_tolerance)
     report, table = _core.compare(
-        mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call(threads, progress)
+        mesh._core, reference._core, tolerance, float(feature_angle), call(threads, progress)
     )
     return Scores(report, table)

@@ -33,7 +33,7 @@ def from_object(source: Any) -> _Parts:
             raise TypeError(
                 f"a tuple is (vertices, faces) or (vertices, faces, values), not of {len(source)}"
             )
-        core = _core.Mesh(_arrays.vertices(source[0]), _arrays.faces(source[1]))
+        core = _core.Mesh(_arrays.vertices(source[0], planar=True), _arrays.faces(source[1]))
         return core, {"values": values for values in source[2:]}, {}
     # The new mesh of Open3D becomes that of old.
     source = source.to_legacy() if hasattr(source, "to_legacy") else source

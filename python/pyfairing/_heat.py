@@ -23,8 +23,8 @@ class HeatSolver:
     ----------
     mesh : Mesh
         The mesh.
-    time : float
-        Length of a step, in squared mesh units.
+    time : float, optional
+        Length of a step, in squared mesh units; by default the squared mean edge length.
     kind, mass : str
         As in `Mesh.laplacian`.
     threads : int, optional
@@ -40,16 +40,17 @@ class HeatSolver:
     def __init__(
         self,
         mesh: Mesh,
-        time: float,
+        time: float | None = None,
         kind: Kind = "auto",
         mass: MassKind = "barycentric",
         *,
         threads: int | None = None,
         progress: Progress = None,
     ) -> None:
-        self._arguments = mesh, float(time), kind, mass
+        time = mesh._core.mean_edge_length**2 if time is None else float(time)
+        self._arguments = mesh, time, kind, mass
         self._n = mesh._core.vertex_count
-        self._core = _core.Heat(mesh._core, float(time), kind, mass, call(threads, progress))
+        self._core = _core.Heat(mesh._core, time, kind, mass, call(threads, progress))
         if self._core.note:
             warn(self._core.note)
 
@@ -66,18 +67,19 @@ class HeatSolver:
 
         Parameters
         ----------
-        temperatures : array_like, shape (n,)
-            Initial temperatures.
+        temperatures : array_like, shape (n,) or (n, d)
+            Initial temperatures, of one field or of one in each column.
         steps : int
             Number of steps.
         {run}
 
         Returns
         -------
-        ndarray, shape (n,)
+        ndarray, shape of temperatures
         """
-        field = _arrays.field(temperatures, self._n, "temperatures")
-        return self._core.step(field, _arrays.whole(steps, "steps"), call(threads, progress))
+        fields, flat = _arrays.fields(temperatures, self._n, "temperatures")
+        found = self._core.step(fields, _arrays.whole(steps, "steps"), call(threads, progress))
+        return found[:, 0] if flat else found
 
     def __repr__(self) -> str:
         _, time, kind, mass = self._arguments

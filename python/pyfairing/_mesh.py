@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _computing, _core, _exchange, _fields, _geodesic, _moving, _parts, _pictures
+from . import _arrays, _computing, _core, _diffusion, _exchange, _fields, _geodesic, _moving, _parts, _pictures
 from ._arrays import Bools, Floats, Indices, Unsigned
 from ._calls import Progress, call, warn
 from ._checks import warn_of_orientation
 from ._docs import documented
+from ._elements import Elements
 from ._fields import Fields
 
 if TYPE_CHECKING:
@@ -24,13 +25,13 @@ if TYPE_CHECKING:
     from ._core import Mesh as CoreMesh
 
 
-class Mesh:
+class Mesh(Elements):
     """An immutable triangle mesh.
 
     Parameters
     ----------
-    vertices : array_like, shape (n, 3)
-        Positions, in mesh units. Or, without `faces`, a whole mesh: a `Mesh`, a tuple
+    vertices : array_like, shape (n, 3) or (n, 2)
+        Positions, in mesh units; in a plane with z = 0. Or, without `faces`, a whole mesh: a `Mesh`, a tuple
         `(vertices, faces)`, a tuple of napari `(vertices, faces, values)`, or a mesh of PyVista
         (`PolyData`), Open3D (`TriangleMesh`), vedo, trimesh or meshio, whose numbers are copied
         once. Its polygons are kept, and its data becomes fields if it has one or three numbers
@@ -87,7 +88,7 @@ class Mesh:
         elif faces is None:
             core, own, own_of_faces = _exchange.from_object(vertices)
         else:
-            core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
+            core = _core.Mesh(_arrays.vertices(vertices, planar=True), _arrays.faces(faces))
         self._fill(core, {**own, **(fields or {})}, {**own_of_faces, **(face_fields or {})}, {})
 
     def _fill(
@@ -145,8 +146,8 @@ class Mesh:
 
         Parameters
         ----------
-        vertices : array_like, shape (n, 3)
-            Positions, in mesh units.
+        vertices : array_like, shape (n, 3) or (n, 2)
+            Positions, in mesh units; in a plane with z = 0.
         polygons : sequence of sequences of int, or array_like of int, shape (m, k)
             The corners of each polygon, counter-clockwise seen from outside.
         fields : mapping of str to array_like, optional
@@ -158,7 +159,7 @@ class Mesh:
             Its triangles in the order of the polygons, which it keeps (`polygons`).
         """
         corners, sizes = _arrays.polygons(*_arrays.flat(polygons))
-        core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call())
+        core = _core.from_polygons(_arrays.vertices(vertices, planar=True), corners, sizes, call())
         return cls._of(core, fields)
 
     @property
@@ -276,15 +277,15 @@ class Mesh:
 
         Parameters
         ----------
-        vertices : array_like, shape (n, 3)
-            Positions, in mesh units.
+        vertices : array_like, shape (n, 3) or (n, 2)
+            Positions, in mesh units; in a plane with z = 0.
 
         Returns
         -------
         Mesh
             With the same fields except normals, which depend on the positions.
         """
-        return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
+        return self._moved(self._core.with_vertices(_arrays.vertices(vertices, planar=True)))
 
     def with_fields(self, fields: Mapping[str, npt.ArrayLike] | None = None, **more: npt.ArrayLike) -> Self:
         """The same mesh with more vertex data; fields of the same names are replaced.
@@ -394,6 +395,7 @@ class Mesh:
     vertex_normals = _computing.vertex_normals
     curvature = _computing.curvature
     spectrum = _computing.spectrum
+    diffusion_operators = _diffusion.diffusion_operators
     heat = _computing.heat
     poisson = _computing.poisson
     info = _computing.info

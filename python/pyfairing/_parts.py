@@ -199,12 +199,18 @@ def repair(
     return self._of(core, fields, report, faces)
 
 
-def weld(self: Self) -> tuple[Self, Indices]:
-    """Joins vertices at exactly equal positions.
+def weld(self: Self, tolerance: float = 0.0) -> tuple[Self, Indices]:
+    """Joins vertices at equal positions, or nearer than a tolerance.
 
     For files whose faces do not share corners, or that are open along seams of texture
     coordinates: compute on the welded mesh and map results back by `index`. `repair` does this
     and more, and keeps fields.
+
+    Parameters
+    ----------
+    tolerance : float
+        In mesh units: each vertex joins the first one within this distance that stays. 0 joins
+        exactly equal positions.
 
     Returns
     -------
@@ -225,8 +231,14 @@ def weld(self: Self) -> tuple[Self, Indices]:
     >>> soup.with_vertices(mesh.vertices[index]) == soup
     True
     """
-    core, index = self._core.weld(call())
-    return self._of(core), index.astype(np.int64)
+    if tolerance == 0:
+        core, index = self._core.weld(call())
+        return self._of(core), index.astype(np.int64)
+    merge = {"merge": True, "tolerance": float(tolerance), "unit": "model"}
+    off = {"duplicates", "orient", "cavities", "split", "isolated"}
+    steps = {**merge, **dict.fromkeys(off, False), "smallest_component": 0, "thin": 0.0, "holes": 0}
+    core, report, _, _ = _core.repair(self._core, steps, call())
+    return self._of(core), report["vertices"].astype(np.int64)
 
 
 def components(self: Mesh) -> Components:

@@ -9,10 +9,11 @@ use fairing_spectral::{
     HeatDiffusion, HeatGeodesics, Isoline, Poisson, SurfacePoint, geodesic_path,
     isolines as pieces_of,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use ndarray::ArrayView1;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{column, rows, values};
+use crate::arrays::{column, matrix, rows, values};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::operators::assemble;
@@ -174,41 +175,51 @@ impl Heat {
     fn step<'py>(
         &self,
         py: Python<'py>,
-        temperatures: PyReadonlyArray1<'_, f64>,
+        temperatures: PyReadonlyArray2<'_, f64>,
         steps: usize,
         call: Call,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (inner, mut heat) = (Arc::clone(&self.inner), values(&temperatures));
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (inner, mut heat) = (Arc::clone(&self.inner), temperatures.as_array().to_owned());
         let found = call.run(py, move || {
-            fairing_watch::stage("steps of heat", steps as u64);
-            for _ in 0..steps {
-                heat = inner.step(&heat)?;
-                fairing_watch::advance(1);
+            fairing_watch::stage("steps of heat", (steps * heat.ncols()) as u64);
+            for mut column in heat.columns_mut() {
+                let mut one = column.to_vec();
+                for _ in 0..steps {
+                    one = inner.step(&one)?;
+                    fairing_watch::advance(1);
+                }
+                column.assign(&ArrayView1::from(&one));
             }
             Ok(heat)
         })?;
-        Ok(column(py, found))
+        Ok(matrix(py, found))
     }
 }
 
-/// Solves −Δu = f with u prescribed at some vertices; with a note as in [`assemble`].
+/// Solves −Δu = f with u prescribed at some vertices, for each column; with a note as in [`assemble`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 pub(crate) fn poisson<'py>(
     py: Python<'py>,
     mesh: &Mesh,
-    f: PyReadonlyArray1<'_, f64>,
+    f: PyReadonlyArray2<'_, f64>,
     fixed: Vec<u32>,
-    at_fixed: PyReadonlyArray1<'_, f64>,
+    at_fixed: PyReadonlyArray2<'_, f64>,
     kind: &str,
     mass: &str,
     call: Call,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Option<String>)> {
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<String>)> {
     let (kind, mass) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass)?);
-    let (mesh, f, at_fixed) = (mesh.share(), values(&f), values(&at_fixed));
+    let mesh = mesh.share();
+    let [mut u, at_fixed] = [f, at_fixed].map(|columns| columns.as_array().to_owned());
     let (found, note) = call.run(py, move || {
         let (laplacian, note) = assemble(&mesh, kind, mass)?;
-        Ok((Poisson::new(&laplacian, &fixed)?.solve(&f, &at_fixed)?, note))
+        let problem = Poisson::new(&laplacian, &fixed)?;
+        for (mut u, at_fixed) in u.columns_mut().into_iter().zip(at_fixed.columns()) {
+            let found = problem.solve(&u.to_vec(), &at_fixed.to_vec())?;
+            u.assign(&ArrayView1::from(&found));
+        }
+        Ok((u, note))
     })?;
-    Ok((column(py, found), note))
+    Ok((matrix(py, found), note))
 }

@@ -15,9 +15,11 @@ mod repair;
 mod run;
 mod shapes;
 mod smoothing;
+mod solvers;
 mod spectrum;
 mod surfaces;
 mod tables;
+mod topology;
 
 use pyo3::pymodule;
 
@@ -54,11 +56,17 @@ mod _core {
     #[pymodule_export]
     use super::smoothing::smooth;
     #[pymodule_export]
+    use super::solvers::{Factor, eigsh};
+    #[pymodule_export]
     use super::spectrum::{Spectrum, spectrum};
     #[pymodule_export]
     use super::surfaces::Surface;
     #[pymodule_export]
     use super::tables::tables;
+    #[pymodule_export]
+    use super::topology::{
+        boundary_loops, corner_angles, dihedral_angles, face_neighbors, moments, special_edges,
+    };
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

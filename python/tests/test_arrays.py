@@ -137,7 +137,7 @@ def test_messages_name_element_and_value() -> None:
         # The extent along an axis on which all are infinite is not a number.
         ((v + [np.inf, 0, 0], [[0, 1, 2]]), "vertex 0 has the coordinates"),
         ((v - np.inf, [[0, 1, 2]]), "vertex 0 has the coordinates"),
-        ((v[:, :2], [[0, 1, 2]]), r"shape \(3, 2\)"),
+        ((v[:, :1], [[0, 1, 2]]), r"shape \(3, 1\)"),
         ((v, [[0, 1, 2, 0]]), "from_polygons"),
     ]
     for arguments, message in cases:

@@ -45,7 +45,8 @@ def public() -> list[tuple[str, object]]:
     found = [(name, getattr(pf, name)) for name in pf.__all__]
     for module in (pf.shapes, pf.surfaces, pf.tasks):
         found += [(f"{module.__name__}.{n}", getattr(module, n)) for n in module.__all__ if n != "Task"]
-    for cls in (pf.Mesh, pf.Spectrum, pf.GeodesicSolver, pf.HeatSolver, pf.Curvature, pf.surfaces.Surface):
+    solvers = (pf.CholeskyFactor, pf.GeodesicSolver, pf.HeatSolver)
+    for cls in (pf.Mesh, pf.Spectrum, *solvers, pf.Curvature, pf.surfaces.Surface):
         found += [(f"{cls.__name__}.{n}", m) for n, m in inspect.getmembers(cls) if not n.startswith("_")]
     return [(n, o) for n, o in found if callable(o) or inspect.ismodule(o) or isinstance(o, property)]
 

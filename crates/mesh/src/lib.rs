@@ -20,6 +20,7 @@ mod incidence;
 #[cfg(feature = "io")]
 pub mod io;
 mod measure;
+mod moments;
 mod oriented;
 mod polygon;
 mod repair;
@@ -33,6 +34,7 @@ pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
 pub use hilbert::hilbert;
 pub use incidence::Incidence;
+pub use moments::Moments;
 #[cfg(feature = "ndarray")]
 pub use ndarray;
 pub use polygon::{PolygonFaces, PolygonMesh};

@@ -75,11 +75,24 @@ impl TriMesh {
 
     /// Sums a quantity over the faces, in chunks of fixed size.
     fn sum_over_faces(&self, quantity: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let [sum] = self.sums_over_faces(|f| [quantity(f)]);
+        sum
+    }
+
+    /// Sums several quantities over the faces, in chunks of fixed size.
+    pub(crate) fn sums_over_faces<const N: usize>(
+        &self,
+        quantities: impl Fn(usize) -> [f64; N] + Sync,
+    ) -> [f64; N] {
         let count = self.face_count();
-        let parts: Vec<f64> = (0..count.div_ceil(CHUNK))
+        let add = |sum: [f64; N], more: [f64; N]| std::array::from_fn(|i| sum[i] + more[i]);
+        let parts: Vec<[f64; N]> = (0..count.div_ceil(CHUNK))
             .into_par_iter()
-            .map(|i| (i * CHUNK..((i + 1) * CHUNK).min(count)).map(&quantity).sum())
+            .map(|i| {
+                let faces = i * CHUNK..((i + 1) * CHUNK).min(count);
+                faces.map(&quantities).fold([0.0; N], add)
+            })
             .collect();
-        parts.iter().sum()
+        parts.into_iter().fold([0.0; N], add)
     }
 }

@@ -13,6 +13,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+mod angles;
 mod assembly;
 mod corners;
 pub mod curvature;
@@ -30,6 +31,7 @@ mod stiffness;
 pub mod surface;
 mod tangent;
 
+pub use angles::{corner_angles, dihedral_angles, sharp_edges};
 pub use corners::check_faces;
 pub use curvature::PrincipalAxes;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};

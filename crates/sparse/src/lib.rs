@@ -47,7 +47,9 @@ pub use convert::{from_nalgebra, to_nalgebra};
 #[cfg(feature = "solvers")]
 pub use direct::{Cholesky, Inertia, Ldlt, Ordering, SymbolicCholesky, Workload};
 #[cfg(feature = "solvers")]
-pub use eigen::{Beyond, EigenOptions, EigenPairs, smallest_eigenpairs};
+pub use eigen::{
+    Beyond, EigenOptions, EigenPairs, smallest_eigenpairs, smallest_symmetric_eigenpairs,
+};
 pub use error::SparseError;
 pub use graph_laplacian::{GraphLaplacian, GraphNumbers};
 #[cfg(feature = "solvers")]

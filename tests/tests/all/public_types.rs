@@ -35,6 +35,7 @@ all_shared!(
     fairing::mesh::Diagnosis,
     fairing::mesh::Fan,
     fairing::mesh::Incidence,
+    fairing::mesh::Moments,
     fairing::mesh::Orientation,
     fairing::mesh::PolygonFaces,
     fairing::mesh::PolygonMesh,

@@ -85,6 +85,18 @@ impl Topology {
         self.tables.faces_of(e as usize)
     }
 
+    /// The faces beside each face: entry `k` is the other face at edge `k`, which lies opposite
+    /// corner `k`. `None` on the boundary and at edges with more than two faces.
+    #[doc(alias("triangle_triangle_adjacency", "face_adjacency"))]
+    pub fn face_neighbors(&self) -> Vec<[Option<u32>; 3]> {
+        let other = |f: u32, e: u32| match *self.edge_faces(e) {
+            [a, b] => Some(if a == f { b } else { a }),
+            _ => None,
+        };
+        let faces = self.face_edges().iter().zip(0..);
+        faces.map(|(edges, f)| edges.map(|e| other(f, e))).collect()
+    }
+
     /// The edge between two vertices, in either order; `None` if no face
     /// joins them.
     ///

@@ -21,6 +21,7 @@ fn a_tetrahedron_by_hand() {
     assert_eq!(t.edges(), [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]);
     assert_eq!(t.face_edges()[1], [4, 2, 0]);
     assert_eq!(t.edge_faces(0), [0, 1]);
+    assert_eq!(t.face_neighbors()[1], [2, 3, 0].map(Some));
     assert_eq!(t.edge_between(3, 1), Some(4));
     assert_eq!(t.neighbors(2), [0, 1, 3]);
     assert_eq!(t.euler_characteristic(), 2);
@@ -55,6 +56,7 @@ fn three_faces_on_an_edge() {
     let t = mesh.topology();
     assert_eq!(t.nonmanifold_edges().collect::<Vec<_>>(), [0]);
     assert_eq!(t.edge_faces(0), [0, 1, 2]);
+    assert_eq!(t.face_neighbors(), [[None; 3]; 3]);
     assert!(t.nonmanifold_vertices().is_empty());
     assert!(!t.is_manifold());
     assert_eq!(t.genus(), None);

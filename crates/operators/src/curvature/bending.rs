@@ -1,46 +1,20 @@
 //! The bending of edges: their dihedral angle times their length.
 
-use fairing_mesh::{Topology, TriMesh};
+use fairing_mesh::TriMesh;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::field::AtVertex;
 use super::status::Undefined;
-use crate::normals::face_normals;
+use crate::angles::dihedral_angles;
 use crate::tangent::{Symmetric2, tangent_frame};
 
 /// The dihedral angle of each edge times its length, in edge order: twice the
 /// mean curvature of the edge, integrated, in mesh units.
 ///
-/// Positive where convex. Zero on the boundary, on edges with more than two
-/// faces, next to faces without area, and where two faces turn against each
-/// other, so that no side is the outer one.
-pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
-    let normals = face_normals(mesh);
-    let (positions, faces) = (mesh.positions(), mesh.faces());
-    let bend = |e: usize| {
-        let &[f, g] = topology.edge_faces(e as u32) else { return 0.0 };
-        let ends = topology.edges()[e];
-        let [f, g] = [f as usize, g as usize];
-        let [start, end] = ends.map(|v| DVec3::from(positions[v as usize]));
-        let along = end - start;
-        let length = along.length();
-        let forward = runs(faces[f], ends);
-        if forward == runs(faces[g], ends) {
-            return 0.0;
-        }
-        let [n, m] = [f, g].map(|f| DVec3::from(normals[f]));
-        let sine = n.cross(m).dot(along) * if forward { 1.0 } else { -1.0 };
-        let cosine = n.dot(m) * length;
-        if sine == 0.0 && cosine == 0.0 { 0.0 } else { libm::atan2(sine, cosine) * length }
-    };
-    (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(bend).collect()
-}
-
-/// Returns true if the face runs from the first end to the second.
-#[inline]
-fn runs(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
-    (0..3).any(|k| face[k] == a && face[(k + 1) % 3] == b)
+/// Positive where convex. Zero where there is [no angle](dihedral_angles).
+pub(crate) fn edge_bending(mesh: &TriMesh) -> Vec<f64> {
+    let angles = dihedral_angles(mesh).into_iter().zip(mesh.edge_lengths());
+    angles.map(|(angle, length)| angle.unwrap_or(0.0) * length).collect()
 }
 
 /// The sum of `w m ⊗ m` over bends w across directions m, in a tangent frame.
@@ -98,7 +72,7 @@ mod tests {
         let positions = vec![[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], tip];
         let mesh = TriMesh::new(positions, faces).unwrap();
         let topology = mesh.topology();
-        edge_bending(&mesh, topology)[topology.edge_between(0, 1).unwrap() as usize]
+        edge_bending(&mesh)[topology.edge_between(0, 1).unwrap() as usize]
     }
 
     #[test]
@@ -109,8 +83,8 @@ mod tests {
         }
         let up = roof(vec![[0, 1, 2], [1, 0, 3]], [0.0, 0.0, 1.0]);
         assert!((up + 2.0 * FRAC_PI_2).abs() < 1e-15);
-        // The second face turns against the first.
-        assert_eq!(roof(vec![[0, 1, 2], [0, 1, 3]], down), 0.0);
+        // The second face turns against the first, and counts as flipped.
+        assert_eq!(roof(vec![[0, 1, 2], [0, 1, 3]], down), roof(vec![[0, 1, 2], [1, 0, 3]], down));
     }
 
     /// The form of an edge is that of its part in the tangent plane, however

@@ -60,7 +60,7 @@ pub fn normal_cycle_curvature(
 fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureField, OperatorError> {
     let radii = BallExplorer::radii(mesh, options.radius)?;
     let topology = mesh.topology();
-    let bending = edge_bending(mesh, topology);
+    let bending = edge_bending(mesh);
     let areas: Vec<f64> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)

@@ -43,7 +43,7 @@ pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
 
 fn estimate(mesh: &TriMesh) -> CurvatureField {
     let topology = mesh.topology();
-    let bending = edge_bending(mesh, topology);
+    let bending = edge_bending(mesh);
     let at_vertex = |_: &mut (), v: u32| {
         let corners = mesh.incidence().corners(v);
         if corners.is_empty() {

@@ -243,6 +243,12 @@ impl Cholesky {
         self.factor.rows()
     }
 
+    /// ln det A, the sum of the logarithms of the pivots; the determinant itself may overflow.
+    pub fn log_determinant(&self) -> f64 {
+        let nodes = &self.factor.analysis.nodes;
+        nodes.diagonal(&self.factor.values).map(libm::log).sum()
+    }
+
     /// x with A x = b.
     ///
     /// # Panics

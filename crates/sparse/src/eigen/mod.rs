@@ -20,10 +20,12 @@ mod projected;
 mod run;
 mod slices;
 mod solve;
+mod symmetric;
 
 use ndarray::Array2;
 
 pub use components::smallest_eigenpairs;
+pub use symmetric::smallest_symmetric_eigenpairs;
 
 /// Allowed ratio of a measured residual to the tolerance: residuals in a group of multiple
 /// eigenvalues include those of their neighbours.

@@ -102,6 +102,14 @@ fn inertia_matches_the_spectrum_of_a_grid() {
 }
 
 #[test]
+fn logarithms_of_pivots_sum_to_that_of_the_determinant() {
+    let (nx, ny, sigma) = (23, 31, -1e-3);
+    let factor = Cholesky::new(&shifted(&grid(nx, ny), sigma)).unwrap();
+    let expected: f64 = grid_eigenvalues(nx, ny).iter().map(|l| (l - sigma).ln()).sum();
+    assert!((factor.log_determinant() / expected - 1.0).abs() < 1e-11);
+}
+
+#[test]
 fn symbolic_analysis_serves_changed_values() {
     let laplacian = grid(30, 20);
     let symbolic = SymbolicCholesky::new(&shifted(&laplacian, -1.0), Ordering::default()).unwrap();

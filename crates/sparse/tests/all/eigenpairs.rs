@@ -1,7 +1,8 @@
 //! Eigenpairs against known spectra; pairs are always checked with S φ = λ M φ itself.
 
 use fairing_sparse::{
-    EigenOptions, EigenPairs, Mass, SparseError, SparseMatrix, multiply_block, smallest_eigenpairs,
+    EigenOptions, EigenPairs, Mass, SparseError, SparseMatrix, combine, multiply_block,
+    smallest_eigenpairs, smallest_symmetric_eigenpairs,
 };
 use ndarray::Array2;
 
@@ -379,4 +380,30 @@ fn restarts_go_on_while_they_find_more() {
     // An arm whose hub rests: a path pinned at one end.
     let at = 2.0 - 2.0 * (std::f64::consts::PI / (2 * length + 1) as f64).cos();
     compare(&pairs.values[1..], &vec![at; 59]);
+}
+
+/// Eigenvalues of the grid minus 3, with and without Lanczos, up to scale.
+#[test]
+fn indefinite_matrices_have_negative_eigenvalues() {
+    let (nx, ny) = (31, 27);
+    let (s, ones) = (grid(nx, ny), vec![1.0; nx * ny]);
+    for scale in [1.0, 1e-12, 1e9] {
+        let s = combine(-3.0 * scale, Mass::Lumped(&ones), scale, &s);
+        for k in [1, 5, 40] {
+            let options = lanczos();
+            let pairs =
+                smallest_symmetric_eigenpairs(&s, Mass::Lumped(&ones), k, &options).unwrap();
+            assert!(pairs.certified);
+            for (found, expected) in pairs.values.iter().zip(grid_eigenvalues(nx, ny)) {
+                assert!((found / scale - (expected - 3.0)).abs() < 1e-9, "{k} {found}");
+            }
+        }
+    }
+    // Positive semi-definite: zero stays exactly zero.
+    let pairs = smallest_symmetric_eigenpairs(&s, Mass::Lumped(&ones), 9, &lanczos()).unwrap();
+    assert_eq!(pairs, smallest_eigenpairs(&s, Mass::Lumped(&ones), 9, &lanczos()).unwrap());
+    let lonely = SparseMatrix::new((2, 2), vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 2.0, 1.0]);
+    let options = EigenOptions::default();
+    let error = smallest_symmetric_eigenpairs(&lonely, Mass::Lumped(&[1.0; 2]), 1, &options);
+    assert!(matches!(error, Err(SparseError::NotSymmetric { row: 0, column: 1, .. })));
 }
