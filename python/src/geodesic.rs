@@ -196,7 +196,8 @@ impl Heat {
     }
 }
 
-/// Solves −Δu = f with u prescribed at some vertices, for each column; with a note as in [`assemble`].
+/// Solves −Δu = f with u prescribed at some vertices, for each column; with a note as in
+/// [`assemble`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 pub(crate) fn poisson<'py>(
