@@ -65,10 +65,10 @@ impl Factor {
     }
 }
 
-/// Values, vectors, and true if an inertia count has found no other; the mass is a diagonal or a
-/// matrix.
+/// Values, vectors, true if an inertia count has found no other, and a bound of the next value.
 type Pairs<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, bool, f64);
 
+/// The smallest pairs; the mass is a diagonal or a matrix.
 #[pyfunction]
 pub(crate) fn eigsh<'py>(
     py: Python<'py>,

@@ -71,14 +71,17 @@ pub(crate) fn dihedral_angles<'py>(
     Ok(column(py, found.into_iter().map(|angle| angle.unwrap_or(f64::NAN)).collect()))
 }
 
-/// Measure, centroid and inertia of the surface or of the solid.
+/// Measure, centroid and inertia.
+type PyMoments<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// The moments of the surface or of the solid.
 #[pyfunction]
 pub(crate) fn moments<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     solid: bool,
     call: Call,
-) -> PyResult<Option<(f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>> {
+) -> PyResult<Option<PyMoments<'py>>> {
     let mesh = mesh.share();
     let found = call
         .run(py, move || Ok(if solid { mesh.volume_moments() } else { mesh.surface_moments() }))?;

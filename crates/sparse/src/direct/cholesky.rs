@@ -246,7 +246,7 @@ impl Cholesky {
     /// ln det A, the sum of the logarithms of the pivots; the determinant itself may overflow.
     pub fn log_determinant(&self) -> f64 {
         let nodes = &self.factor.analysis.nodes;
-        nodes.diagonal(&self.factor.values).map(libm::log).sum()
+        nodes.diagonal(&self.factor.values).map(libm::log).fold(0.0, |sum, log| sum + log)
     }
 
     /// x with A x = b.

@@ -11,13 +11,16 @@ use crate::matrix::{Rows, SparseMatrix};
 /// A matrix whose lowest eigenvalue is above minus this, relative to its size, counts as positive
 /// semi-definite.
 const ROUNDING: f64 = 1e-9;
+/// Bisections of the factor of four within which the bound below the spectrum is first known: down
+/// to a half percent, since pairs are told apart by their distance from the bound.
+const BISECTIONS: usize = 8;
 
 /// The `count` smallest eigenpairs of A φ = λ M φ, from the most negative eigenvalue on.
 ///
 /// A must be symmetric, M positive definite. If a factorisation shows that A is positive
 /// semi-definite, the pairs are those of [`smallest_eigenpairs`]. Otherwise factorisations of A −
-/// cM find a bound c below the spectrum, at most four times as far from zero as the lowest
-/// eigenvalue, and the pairs are those of A − cM; tolerances are then relative to λ − c.
+/// cM find a bound c below the spectrum, within a percent of the lowest eigenvalue, and the pairs
+/// are those of A − cM; tolerances are then relative to λ − c.
 ///
 /// # Errors
 ///
@@ -69,8 +72,21 @@ pub fn smallest_symmetric_eigenpairs(
     while below < -ROUNDING * size && is_above(0.25 * below)? {
         below *= 0.25;
     }
+    let mut factor = 0.25f64;
+    for _ in 0..BISECTIONS {
+        factor = factor.sqrt();
+        if is_above(factor * below)? {
+            below *= factor;
+        }
+    }
     let shifted = combine(-below, mass, 1.0, matrix);
-    let mut pairs = smallest_eigenpairs(&shifted, mass, count, options)?;
+    let solved = smallest_eigenpairs(&shifted, mass, count, options);
+    let mut pairs = solved.map_err(|error| match error {
+        SparseError::Crowded { wanted, value } => {
+            SparseError::Crowded { wanted, value: value + below }
+        }
+        error => error,
+    })?;
     let values = pairs.values.iter_mut().chain(&mut pairs.beyond.values);
     values.for_each(|value| *value += below);
     pairs.beyond.clear_below += below;

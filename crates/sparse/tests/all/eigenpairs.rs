@@ -399,6 +399,15 @@ fn indefinite_matrices_have_negative_eigenvalues() {
             }
         }
     }
+    // The lowest of a long path are close to each other beside their distance from zero.
+    let shifted_path = combine(-4.0, Mass::Lumped(&[1.0; 2000]), 1.0, &path(2000));
+    let pairs =
+        smallest_symmetric_eigenpairs(&shifted_path, Mass::Lumped(&[1.0; 2000]), 4, &lanczos())
+            .unwrap();
+    for (j, found) in pairs.values.iter().enumerate() {
+        let expected = -2.0 - 2.0 * (std::f64::consts::PI * j as f64 / 2000.0).cos();
+        assert!((found - expected).abs() < 1e-10, "{j} {found}");
+    }
     // Positive semi-definite: zero stays exactly zero.
     let pairs = smallest_symmetric_eigenpairs(&s, Mass::Lumped(&ones), 9, &lanczos()).unwrap();
     assert_eq!(pairs, smallest_eigenpairs(&s, Mass::Lumped(&ones), 9, &lanczos()).unwrap());
