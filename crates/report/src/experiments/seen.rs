@@ -178,7 +178,10 @@ mod tests {
     fn a_plane_is_grey_but_for_its_corners() {
         let mean = field(&[0.0, 1e-9, 0.0, 0.0], 2);
         let text = signed(&mean, &field(&[0.0, 0.0, 700.0, 700.0], 2)).unwrap();
-        assert!(text.starts_with("Everything is grey except 2 vertices of the border"), "{text}");
+        assert!(
+            text.starts_with("Everything is grey except 2 vertices at corners of the border"),
+            "{text}"
+        );
         assert!(signed(&mean, &field(&[0.0; 4], 2)).unwrap().contains("zero everywhere"));
         assert!(
             range(&[&mean]).unwrap().contains("rounding")
@@ -193,7 +196,7 @@ mod tests {
     fn equalised_colours_are_said_to_hide_what_they_hide() {
         let text = equalised(&[("K", &field(&[0.0, 0.0, 0.0, 9.0], 0))]).unwrap();
         assert!(
-            text.ends_with("because their value is zero, to rounding: K at 75 % of them."),
+            text.ends_with("because their value is zero up to rounding: K at 75 % of them."),
             "{text}"
         );
         let text = equalised(&[("K", &field(&[-8.0, 1.0, 2.0, 3.0, 90.0], 0))]).unwrap();
