@@ -132,8 +132,9 @@ def compared(
         else:
             difference = row_norm(np.asarray(case.given) - values)
         if free is not None:
-            sizes = np.abs(case.given)
-            unsigned = np.minimum(np.abs(sizes - np.abs(values)), sizes)
+            # The other sign of H turns round the two of H ± √(H² - K), too.
+            sizes, expected = (np.sort(np.abs(x).reshape(len(x), -1)) for x in (case.given, values))
+            unsigned = np.minimum(row_norm(sizes - expected), row_norm(sizes))
             difference = np.where(free, unsigned, difference)
         own = row_norm(values)
         tolerance = RELATIVE * own + ROUNDING * np.abs(size)

@@ -298,7 +298,7 @@ def principal_curvatures(
 ) -> Answer:
     """H ± √(H² - K), and variants; (n, 2)."""
     edge, measure = change.pop("edge", np.pi), change.get("measure", "pointwise")
-    mean, size, *_ = mean_curvature(facts, area=area, **change)
+    mean, size, *free = mean_curvature(facts, area=area, **change)
     gauss, _ = gaussian_curvature(facts, area=k_area or area, edge=edge, measure=measure)
     inside = mean**2 - gauss
     if root == "absolute":
@@ -313,7 +313,7 @@ def principal_curvatures(
         swap = np.abs(two) > np.abs(one)
         one, two = np.where(swap, two, one), np.where(swap, one, two)
     # The root magnifies the rounding of H² - K.
-    return np.column_stack([one, two]), size * 10
+    return np.column_stack([one, two]), size * 10, *free
 
 
 PRINCIPAL = (
