@@ -145,7 +145,7 @@ def _sums(vertices: Indices, values: Floats, n: int) -> Floats:
 
 def _frames(normals: Floats) -> Floats:
     """Rows X, Y, normal; the axes where there is no normal."""
-    normals = np.where(np.any(normals != 0.0, axis=1, keepdims=True), normals, [0.0, 0.0, 1.0])
+    normals = np.where(np.isnan(normals), [0.0, 0.0, 1.0], normals)
     axis = np.where(abs(normals[:, :1]) < 0.9, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
     x = axis - np.sum(axis * normals, axis=1, keepdims=True) * normals
     x /= np.linalg.norm(x, axis=1, keepdims=True)
