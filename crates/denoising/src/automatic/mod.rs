@@ -61,13 +61,13 @@ fairing_parameters::options! {
 /// 2. On surfaces of volumes, as marching cubes makes them, the ends of short edges are merged, and
 ///    moved apart again at the end.
 /// 3. Connected parts whose noise differs by more than a factor of four
-///   ([`noisy_parts`](crate::noisy_parts)) are denoised separately.
+///    ([`noisy_parts`](crate::noisy_parts)) are denoised separately.
 /// 4. Normals are means of candidates at many scales around each face, with weights by trained
-///   networks; on noise of a depth camera they may be those of
-///   [`total_generalised_variation`](crate::total_generalised_variation). Faces in one plane share
-///   one normal.
+///    networks; on noise of a depth camera they may be those of
+///    [`total_generalised_variation`](crate::total_generalised_variation). Faces in one plane
+///    share one normal.
 /// 5. Vertices move to fit the normals, by no more than the measured noise, and end evenly on both
-///   sides of the surface, so that the volume of a closed part is preserved.
+///    sides of the surface, so that the volume of a closed part is preserved.
 ///
 /// Planes stay planes. Isolated vertices do not move; borders move with their faces; faces are not
 /// compared across edges with one, three or more faces. Faces count as
