@@ -269,4 +269,8 @@ def _mass(M: Any, n: int) -> tuple[Floats | None, Any]:
         worst = int(difference.data.argmax())
         place = int(difference.row[worst]), int(difference.col[worst])
         raise OptionError(f"M: entry {place} differs from its mirror image by {difference.data[worst]:g}")
+    try:
+        _core.Factor(_parts(matrix), call())
+    except _core.ComputationError as error:
+        raise _core.ComputationError(str(error).replace("A:", "M:", 1)) from None
     return None, _parts(matrix)

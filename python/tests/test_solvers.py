@@ -186,3 +186,10 @@ def test_isolated_vertices_have_no_gradient(sphere: pf.Mesh) -> None:
     found = mesh.diffusion_operators(3)
     np.testing.assert_array_equal(found.frames[-1], np.eye(3))
     assert found.mass[-1] > 0 and abs(found.gradX[-1]).sum() == 0 and (found.evecs[-1] == 0).all()
+
+
+def test_a_mass_that_is_not_positive_definite_is_named() -> None:
+    a = sparse.csr_matrix([[-1.0, 0.5], [0.5, -1.0]])
+    for mass, words in (([[1.0, 2.0], [2.0, 1.0]], "definite: pivot -3e0 in row 1"), (np.ones((2, 2)), "singular")):
+        with pytest.raises(pf.ComputationError, match=f"^M: the matrix is .*{words}"):
+            pf.eigsh(a, 1, sparse.csr_matrix(mass), which="SA")
