@@ -55,7 +55,7 @@ pub(crate) struct Compare {
     /// Values smaller than the rounding error of the coordinates are raised to that error. For
     /// surfaces a constant distance apart a very small gap may not be reached; the printed bounds
     /// show the gap achieved.
-    #[arg(long, value_name = "SHARE", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
+    #[arg(long, value_name = "FRACTION", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
     hausdorff_tolerance: f64,
     /// Smallest dihedral angle of a sharp edge, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = ScoreOptions::default().feature_angle)]

@@ -31,12 +31,12 @@ const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 ///
 /// Estimates from the mesh the noise, the distance over which the noise of a depth camera is
 /// correlated, and the kind of surface. --strength multiplies the estimated noise: 2 removes more,
-/// 0.5 less; try 2 for laser scans. The smooth waves of scans that were fused from many views can
-/// pass for shape. Relief a few edges wide that cannot be distinguished from noise is kept, and the
-/// summary reports its height; --strength 2 removes it. Vertices far away from their neighbours are
-/// moved back first, and counted. The other methods serve for comparison. The summary of --json has
-/// the estimated noise and kind of surface, with the fractions of the area that are flat, curved,
-/// or at a crease.
+/// 0.5 less; try 2 for laser scans. Smooth waves of scans that were fused from many views can be
+/// mistaken for shape. Relief a few edges wide that cannot be distinguished from noise is kept, and
+/// the summary reports its height; --strength 2 removes it. Vertices far away from their neighbours
+/// are moved back first, and counted. The other methods serve for comparison. The summary of --json
+/// has the estimated noise and kind of surface, with the fractions of the area that are flat,
+/// curved, or at a crease.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
@@ -157,8 +157,8 @@ fn say(context: &Context, found: &Automatic) {
     context.note(summary(found));
     if found.spikes > 0 {
         context.note(format_args!(
-            "farther away than noise explains, and put on the surface around them before anything \
-             else: {} of {} vertices; --pin holds vertices",
+            "{} of {} vertices, farther from the surface around them than noise explains, were \
+             first moved back to it; --pin keeps vertices in place",
             found.spikes,
             found.mesh.vertex_count()
         ));
@@ -172,13 +172,13 @@ fn say(context: &Context, found: &Automatic) {
     }
     if found.undecided > 0.1 * found.noise.map_or(0.0, |noise| noise.sigma) {
         context.note(format_args!(
-            "of this, {} may be relief as well as noise, and is kept; --strength 2 removes it",
+            "of this, {} may be relief instead of noise, and is kept; --strength 2 removes it",
             number(found.undecided)
         ));
     }
     if found.flipped_faces > 0 {
         context.note(format_args!(
-            "{} faces are turned against the surface around them",
+            "{} faces are flipped against the surface around them",
             found.flipped_faces
         ));
     }

@@ -206,7 +206,7 @@ impl Geodesic {
                 && !sources.contains(&SurfacePoint::vertex(end))
             {
                 context.note(format_args!(
-                    "warning: the path from {start} ends at vertex {}, which is no source: the \
+                    "warning: the path from {start} ends at vertex {}, which is not a source: the \
                      distance has a minimum there",
                     surface.in_file(end)
                 ));

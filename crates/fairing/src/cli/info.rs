@@ -15,10 +15,11 @@ use super::table::{Table, number};
 
 /// Describe a mesh: counts, topology, defects and measures
 ///
-/// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
-/// numbered from 0. Face and edge counts are those of the file, polygons included;
-/// degenerate, sliver and duplicate faces are counted after splitting into triangles. Point
-/// clouds have no counts of faces. Ends with the repair that needs no further option, if any.
+/// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are numbered
+/// from 0. Face and edge counts are those of the file, polygons included; degenerate, sliver and
+/// duplicate faces are counted after splitting into triangles. For a file without faces, only the
+/// counts of vertices and of duplicate positions and the bounding box are defined. If
+/// `fairing repair` without further options mends a defect, the last line is that command.
 #[derive(Args)]
 pub(crate) struct Info {
     #[command(flatten)]

@@ -40,7 +40,7 @@ pub(crate) struct Jobs {
 /// Summaries of the results.
 #[derive(Args, Clone, Copy, Default)]
 pub(crate) struct Summary {
-    /// Print a summary as one JSON object, of several files one a line
+    /// Print a summary as one JSON object; for several files, one object a line
     #[arg(long)]
     pub(crate) json: bool,
     /// Print one row for each file, with a column for its error; text has the main columns, csv

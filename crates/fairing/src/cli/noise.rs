@@ -57,7 +57,8 @@ pub(crate) struct Noise {
 /// The kind of noise, with its parameters other than the camera.
 #[derive(Args)]
 pub(crate) struct Kind {
-    /// Distribution and direction of the noise [default: normal; of a scan, depth-camera]
+    /// Distribution and direction of the noise [default: normal; for scan,
+    /// depth-camera]
     #[arg(long, value_parser = kinds())]
     kind: Option<NoiseKind>,
     /// Fraction of vertices that impulsive noise moves [default: 0.25]

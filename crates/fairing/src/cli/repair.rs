@@ -24,18 +24,18 @@ Examples:
   fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01
   fairing repair part.stl -o part.ply --tolerance 0.05 --unit model";
 
-/// Mend a mesh: unshared vertices, double or flipped faces, holes
+/// Mend a mesh: unmerged vertices, duplicate or flipped faces, non-manifold edges, holes
 ///
 /// Without options no vertex moves by more than rounding. Merges vertices at the same place, and
 /// boundary vertices that single precision does not distinguish; drops faces with the corners of an
 /// earlier face; flips faces that disagree with their neighbours, and closed parts that are inside
 /// out with all parts inside them; separates sheets that touch at an edge or a vertex; drops
-/// isolated vertices. The others keep their order and their properties; the property source is the
-/// vertex of the input, from 0, or -1 in the patch of a hole. A second run changes nothing, except
-/// with --tolerance in mean edges or diagonals: they are those of the input, which has changed.
+/// isolated vertices. The other vertices keep their order and properties; the property source is
+/// the vertex of the input, from 0, or -1 in the patch of a hole. A second run changes nothing,
+/// except with --tolerance in mean edges or diagonals, which the first run may have changed.
 ///
 /// The summary of --json lists the elements that each step changed, by their numbers in the input,
-/// from 0. Its open_holes lists each hole that --holes leaves, with the reason, and vertex_map the
+/// from 0. Its open_holes lists each hole that stays open, with the reason, and vertex_map the
 /// vertex in the output for each vertex of the input, or null if it was dropped. The rows of
 /// --table have counts.
 #[derive(Args)]
@@ -183,7 +183,7 @@ impl Repair {
 
 const WORDS: [(RepairStep, &str); 12] = [
     (RepairStep::MergedVertices, "vertices merged"),
-    (RepairStep::MovedVertices, "of these and those that stay, moved"),
+    (RepairStep::MovedVertices, "vertices moved by merging"),
     (RepairStep::CollapsedFaces, "faces collapsed by merging"),
     (RepairStep::DuplicateFaces, "duplicate faces dropped"),
     (RepairStep::TurnedFaces, "faces flipped"),
@@ -193,7 +193,7 @@ const WORDS: [(RepairStep, &str); 12] = [
     (RepairStep::IsolatedVertices, "isolated vertices dropped"),
     (RepairStep::FilledHoles, "holes filled"),
     (RepairStep::TouchingVertices, "vertices that touch others without a common edge, kept apart"),
-    (RepairStep::NestedParts, "closed parts within others, which --cavities would turn, kept"),
+    (RepairStep::NestedParts, "closed parts within others, which --cavities would flip, kept"),
 ];
 
 const REASONS: [(OpenReason, &str); 4] = [

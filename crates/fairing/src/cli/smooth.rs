@@ -34,13 +34,14 @@ Choosing a method
   Repair a dent or a filled hole    region --vertices LIST --order 2
   Keep sharp edges                  none of these: use fairing denoise
   Zero-area faces, non-manifold     any; --operator robust has no negative weights and is
-  edges, triangle soups             chosen by itself if a face is too thin for cotangents
+  edges, triangle soups             the default if a face is too thin for cotangents
 
 With uniform weights, --lambda is the fraction of the distance to the mean of the
 neighbours that a vertex moves in a step. Explicit steps are stable up to 4/3 (8/7 with a
 boundary), implicit steps always. With cotangents, --lambda is a diffusion time in squared
 mean edge lengths, and explicit steps are stable up to about 0.27 on regular meshes; --time
-gives it in squared units of the file. n steps of L smooth about as much as one of n L.
+gives it in squared units of the file. n implicit steps of L smooth
+about as much as one of n L.
 
 --pin fixes vertices, --where fixes all vertices that a property of the file does not
 select, and --boundary sliding lets border vertices move along the border only. --soft
@@ -56,8 +57,8 @@ Examples:
 /// Smooth a mesh by a flow, by a filter or by fairing a region
 ///
 /// Moves the vertices and keeps the faces, including polygons and materials of the file. Vertex
-/// properties are kept, except normals, which do not fit the moved vertices. The list below helps
-/// to choose a method.
+/// properties are kept, except normals, which do not fit the moved vertices. The list below the
+/// options helps to choose a method.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Smooth {
@@ -78,7 +79,7 @@ pub(crate) struct Smooth {
     /// take steps)
     #[arg(long, value_name = "S")]
     until: Option<f64>,
-    /// If a step fails after others, write the mesh before it and still exit with an error
+    /// If a step after the first fails, write the mesh before that step, and still exit with an error
     #[arg(long)]
     last_good: bool,
     #[command(flatten)]

@@ -168,7 +168,7 @@ pub(crate) fn say_orientation(context: &Context, path: &Path, mesh: &TriMesh) {
     if let Some(first) = turned.first() {
         context.note(format_args!(
             "{name}: {} of {faces} faces turn against the rest of their part (the first: {first}) \
-             and count as flipped; what is written keeps the winding of the file",
+             and count as flipped; the output keeps the winding of the file",
             turned.len(),
         ));
     }
