@@ -146,8 +146,7 @@ pub(crate) fn at_once<'a, 'o>(
     let work = systems
         .map(|(step, solves)| Workload::new(laplacian, step, laplacian.mass(), RESIDUAL, solves));
     let pays = |products| work.is_none_or(|work| work.prefers_series(products));
-    // To find the degree, a third of the number of samples or more, takes the square of that
-    // number.
+    // Finding the degree, at least a third of the number of samples, takes time quadratic in it.
     let may_pay =
         |bound| work.is_none() || samples(bound, response).is_some_and(|samples| pays(samples / 3));
     let series = may_pay(largest_ratio(laplacian))

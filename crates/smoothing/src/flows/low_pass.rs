@@ -140,11 +140,12 @@ impl LowPass {
 /// Smooths by a filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`. The spectrum
 /// is computed only for [`Transfer::Modes`].
 ///
-/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`. Computed is the Chebyshev series of g up to
-/// an error of 2.1e-10; its degree grows with the square root of the ratio of the largest
-/// eigenvalue to the cut-off. If it would exceed two thousand products, a series in the resolvent
-/// `(I − τL)⁻¹` is used instead, of degree 25 for heat and 30 to 250 for Butterworth filters, with
-/// one factorisation. The area-weighted centroid of each component is preserved.
+/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`. The sum is evaluated by a Chebyshev series
+/// of g with an error of at most 2.1e-10, whose degree grows with the square root of the ratio of
+/// the largest eigenvalue to the cut-off. If the series would exceed two thousand products, a
+/// series in the resolvent `(I − τL)⁻¹` is used instead, of degree 25 for heat and 30 to 250 for
+/// Butterworth filters, with one factorisation. The area-weighted centroid of each component is
+/// preserved.
 ///
 /// # Errors
 ///

@@ -172,7 +172,8 @@ fn from_outside(power: &LaplacianPower<'_>, region: &[u32], x: &[[f64; 3]]) -> V
     region.iter().map(|&v| all[v as usize].map(|k| -k)).collect()
 }
 
-/// The most products in a row of the matrix of a region, over those of a regular mesh.
+/// The largest number of products in a row of the matrix of a region, relative to that of a regular
+/// mesh.
 const SLACK: usize = 10;
 
 /// The number of rows that may be full.
@@ -243,8 +244,8 @@ fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
 
 /// Mends a mesh as [`fairing_mesh::repair`] does; the patches of holes continue the surface.
 ///
-/// The vertices inside patches are placed by [`fair_region`]. If that fails, the patches keep least
-/// area, and the error is returned beside the result.
+/// The vertices inside patches are placed by [`fair_region`]. If that fails, the patches stay as
+/// [`fairing_mesh::repair`] made them, of least area, and the error is returned beside the result.
 ///
 /// # Errors
 ///
@@ -284,7 +285,8 @@ mod tests {
     use super::*;
 
     /// A few vertices at the rim of a disc with a hub: only their rows are multiplied. All of them
-    /// are neighbours of each other in the matrix, which is refused by the name of the hub.
+    /// are neighbours of each other in the matrix, so it is refused with an error that names the
+    /// hub.
     #[test]
     fn a_region_around_a_hub_is_small_or_refused() {
         let n = 40_000u32;

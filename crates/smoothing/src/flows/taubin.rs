@@ -72,11 +72,11 @@ impl Taubin {
 /// `1 + (λk)²/(4 (1 − λk))`, 1.0007 for the default, which is visible after hundreds of pairs, but
 /// 5.5 for λ = ½ and a pass band of 1.9.
 ///
-/// Shapes that consist of modes of the pass band preserve their size: those many edges across, such
-/// as scans. A panel, corner or tube a few edges across consists of rougher modes and shrinks like
-/// noise, and so do free boundaries: a model of 50 open parts in large triangles, with half of its
-/// vertices on boundaries, lost a third of its area, and an eighth with pinned boundaries.
-/// Subdivide such models first.
+/// Shapes whose features are many edges across, such as scans, consist of modes of the pass band
+/// and keep their size. A panel, corner or tube a few edges across consists of rougher modes and
+/// shrinks like noise, and so do free boundaries: a model of 50 open parts in large triangles, with
+/// half of its vertices on boundaries, lost a third of its area, and an eighth with pinned
+/// boundaries. Subdivide such models first.
 ///
 /// # Errors
 ///
