@@ -10,7 +10,7 @@ pub type Module<'a> = (&'a str, &'a str);
 /// The module `entry` and all that it imports, as one script.
 ///
 /// Each module is a function of its own, called once, after those that it imports: names of
-/// different modules never meet, and a name that is used without its import is an error when the
+/// different modules cannot clash, and a name that is used without its import is an error when the
 /// script runs. Indentation, empty lines and lines that are `//` comments are left out.
 ///
 /// A module imports and exports in lines that begin with these words: `import {name, name} from
@@ -134,7 +134,7 @@ fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(is_letter) && !text.starts_with(char::is_numeric)
 }
 
-/// The path that a module at `path` means by `import`.
+/// The path that `import` in the module at `path` refers to.
 fn resolved(path: &str, import: &str) -> String {
     let mut parts: Vec<&str> = path.split('/').collect();
     parts.pop();
@@ -164,7 +164,8 @@ mod tests {
         bundle("a/page.mjs", modules).unwrap_err().to_string()
     }
 
-    /// Whatever the order of the list; a module that two import is there once, and others not.
+    /// Modules may be listed in any order; one that two import is written once, and unused ones are
+    /// left out.
     #[test]
     fn modules_come_after_those_that_they_import() {
         let unused = ("c/d.mjs", "export const d = 4;\n");

@@ -43,7 +43,7 @@ pub enum Viewpoint {
 }
 
 impl Viewpoint {
-    /// All that have a name.
+    /// All named directions.
     pub const ALL: [Self; 8] = [
         Self::Front,
         Self::Back,
@@ -206,7 +206,7 @@ impl Camera {
         self.eye.to_array()
     }
 
-    /// The unit direction in which it looks.
+    /// The unit direction of view.
     pub fn forward(&self) -> [f64; 3] {
         self.forward.to_array()
     }

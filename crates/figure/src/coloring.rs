@@ -129,7 +129,8 @@ mod tests {
         assert_eq!((equal.2, equal.3), (Center::Free, Spread::Equalized));
     }
 
-    /// A fan around vertex 0: the only one inside rules the range; without it the boundary does.
+    /// A fan around vertex 0: the only one inside determines the range; without it the boundary
+    /// does.
     #[test]
     fn the_boundary_counts_where_there_is_nothing_else() {
         let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, -1.0, 0.0]];

@@ -77,7 +77,7 @@ pub enum FigureError {
     /// No series of a plot has a point.
     #[error("there is nothing to plot")]
     NoPoints,
-    /// A point of a plot has no place on its axes.
+    /// A point of a plot cannot be placed on its axes.
     #[error("{series}: point {index} is ({x}, {y}), {problem}")]
     Point {
         /// The name of the series.

@@ -77,7 +77,7 @@ impl<'a> Field<'a> {
         pairs.map(|(&x, &mark)| (mark != Mark::Undefined).then_some(x))
     }
 
-    /// The values that rule the range.
+    /// The values that determine the range.
     pub(crate) fn counted(&self) -> impl Iterator<Item = f64> + '_ {
         let pairs = self.values.iter().zip(&self.marks);
         pairs.filter(|(_, mark)| **mark == Mark::Counted).map(|(&x, _)| x)

@@ -158,7 +158,7 @@ fn skia(outline: &Outline) -> Option<tiny_skia::Path> {
     path.finish()
 }
 
-/// A glyph on its way from font units, y upward, to CSS pixels, y downward.
+/// Converts the outline of a glyph from font units, y upward, to CSS pixels, y downward.
 struct Glyph {
     path: PathBuilder,
     x: f32,
@@ -208,8 +208,7 @@ mod tests {
         all.filter(|&(x, y)| image.pixel(x, y)[0] < 100)
     }
 
-    /// Words end where their width says, on the side of their anchor, and
-    /// upward where they run upward.
+    /// Text covers its computed width, from the side of its anchor, also where it runs upward.
     #[test]
     fn words_fill_their_width() {
         let width = text::width("mnmn", 20.0, Style::Regular);

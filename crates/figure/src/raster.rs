@@ -239,12 +239,12 @@ fn edge(a: [f64; 3], b: [f64; 3], x: f64, y: f64) -> f64 {
     (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)
 }
 
-/// Columns of a triangle above which those of each row are found: below, to test
-/// them all is faster.
+/// Columns of a triangle above which those of each row are computed; below, testing all of them is
+/// faster.
 const WIDE: usize = 16;
 
-/// The columns of a row that a triangle may cover, one more on either side for
-/// rounding: of a sliver across the picture few, where its box has them all.
+/// The columns of a row that a triangle may cover, with one more on either side for rounding. For a
+/// sliver across the picture they are few, although its box has all columns.
 fn columns(corners: [[f64; 3]; 3], y: f64, width: usize) -> std::ops::Range<usize> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for k in 0..3 {

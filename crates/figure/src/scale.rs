@@ -14,7 +14,7 @@ pub const UNDEFINED: [u8; 3] = [150, 150, 150];
 pub enum Limits {
     /// The least and the greatest value.
     Full,
-    /// Percentiles, so that a few outliers do not rule the colours.
+    /// Percentiles, so that a few outliers do not determine the colours.
     Percentiles {
         /// Percentage of values below the lower end.
         low: f64,

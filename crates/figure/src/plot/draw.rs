@@ -49,7 +49,7 @@ fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, FigureError> {
             frame.series(&mut inside, plot, series, *style);
         }
     }
-    // What reaches beyond given limits is not seen.
+    // Parts beyond given limits are clipped.
     let (at, size) = ([left, top], [right - left, bottom - top]);
     out.elements.push(Element::Clip { at, size, elements: inside.elements });
     let corner = [[left, top], [left, bottom], [right, bottom]];
@@ -169,7 +169,7 @@ impl Frame {
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        // Far outside is outside: SVG readers stumble over huge numbers.
+        // Limited, because SVG readers mishandle huge numbers.
         let place = |t: f64, from: f64, to: f64| from + (to - from) * t.clamp(-50.0, 50.0);
         [
             place(self.x.position(x), self.left, self.right),
@@ -252,7 +252,7 @@ impl Frame {
         }
     }
 
-    /// Title and points of the plot, where they are and what they stand for.
+    /// The title of the plot, and the positions and values of its points, as JSON.
     fn data(&self, plot: &Plot) -> String {
         /// A line of more points is described at this many of them.
         const MAX_POINTS: usize = 100;
