@@ -261,7 +261,7 @@ impl HeatGeodesics {
 impl HeatGeodesics {
     /// The heat that arrives at the vertices from the given amounts.
     ///
-    /// Where it becomes faint it is computed again, larger by a power of two. With `A = M + tS`,
+    /// Where heat becomes faint it is computed again, larger by a power of two. With `A = M + tS`,
     /// the solution u of `A u = f`, and w equal to u at the warm vertices and zero at the faint
     /// ones, `A w − f` is zero but at the front between both, and `u = −A⁻¹ (A w − f)` at the faint
     /// ones: the front takes the place of the sources.

@@ -24,7 +24,7 @@ impl GeodesicPath {
     }
 }
 
-/// Where a path is.
+/// A position on a path.
 #[derive(Clone, Copy, PartialEq)]
 enum Place {
     Vertex(u32),
@@ -152,8 +152,8 @@ impl Field<'_> {
                 let third =
                     self.mesh.faces()[face as usize].into_iter().find(|v| !ends.contains(v))?;
                 let down = self.descent(face);
-                // The sides that the ray can leave through; else it leads back over the edge, and
-                // the path follows that to its lower end.
+                // The sides that the ray can leave through. If there are none, it leads back over
+                // the edge, and the path follows the edge to its lower end.
                 let through = [[a, third], [third, b]].into_iter().find_map(|side| {
                     let fraction = self.crossing(face, here, down, side)?;
                     Some(self.on_edge(side, fraction, face))
@@ -205,7 +205,7 @@ impl Field<'_> {
             (t, _) if t <= END => Place::Vertex(side[0]),
             (t, _) if t >= 1.0 - END => Place::Vertex(side[1]),
             (fraction, Some(face)) => Place::Edge { ends: side, fraction, face },
-            // On the boundary, along it.
+            // A path at the boundary follows it.
             (_, None) => Place::Vertex(lower),
         }
     }

@@ -15,7 +15,7 @@ use crate::error::SpectralError;
 /// of mean zero. Means are weighted by area. Isolated vertices have no equation: u is 0 there
 /// unless they are fixed.
 ///
-/// The system is solved by its edge weights, however much they differ ([`GraphSystem`]); if
+/// The system is solved from its edge weights, which may differ by any factor ([`GraphSystem`]); if
 /// rounding leaves fewer than half of the digits, the solve fails.
 ///
 /// # Examples

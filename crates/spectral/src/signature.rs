@@ -11,7 +11,7 @@ const ZERO: f64 = 1e-10;
 
 /// Heat kernel signature: k_t(x, x) = Σ e^(−ωᵢ t) φᵢ(x)², `n × times`, in 1/(mesh units)².
 ///
-/// The heat left at x at time t of a unit placed there at time 0; times in squared mesh units.
+/// The heat at x at time t, of a unit of heat placed there at time 0; times in squared mesh units.
 /// Small times need many modes: each mode beyond ω_k contributes at most the fraction e^(−ω_k t).
 ///
 /// # Errors

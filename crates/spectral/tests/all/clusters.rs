@@ -1,4 +1,4 @@
-//! Clusters of eigenvalues: statements about them hold.
+//! Clusters of eigenvalues, and the properties that the documentation states.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;

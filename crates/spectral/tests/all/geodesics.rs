@@ -75,7 +75,7 @@ fn laplacians_that_do_not_serve_are_refused() {
 }
 
 /// Every source has distance 0, to the last bit, and nothing is nearer; on every component that has
-/// some. Neither their order nor how often they are named matters.
+/// sources. Neither their order nor repetitions matter.
 #[test]
 fn sources_have_no_distance() {
     let (sphere, slivers) = (shapes::icosphere(4), sheet(20, 20, [0.05, 0.05], 3.0));
@@ -113,13 +113,13 @@ fn distances_do_not_stop_growing() {
     }
     let none = with(&sheet(1800, 1, [1.0, 1.0], 0.0), LaplacianKind::NonNegative, Some(0.0));
     assert!(matches!(none.distance(&[0]), Err(SpectralError::NoHeat { vertex: 1.. })));
-    // More time, more reach.
+    // A longer time reaches farther.
     let long = with(&sheet(1800, 1, [1.0, 1.0], 0.0), LaplacianKind::NonNegative, Some(16.0));
     let end = long.distance(&[0]).unwrap()[1800].unwrap();
     assert!((end - 1800.0).abs() < 20.0, "{end}");
 }
 
-/// A long sheared strip: the slope of the distance is the same where heat is computed anew.
+/// A long sheared strip: the slope of the distance is the same where heat is computed again.
 #[test]
 fn distances_across_stages_are_as_accurate_as_before() {
     let mesh = sheet(4000, 4, [1.0, 1.0], 0.3);

@@ -81,8 +81,8 @@ fn with_inner_rings(around: usize, half: usize, radii: &[f64]) -> TriMesh {
     TriMesh::new(points, faces).unwrap()
 }
 
-/// Masses that differ by 10¹² and more do not keep the other modes from being found: poles of many
-/// vertices in one place, for which the robust operator is, and tiny discs at the poles, whose
+/// Masses that differ by 10¹² and more do not prevent the other modes from being found: poles of
+/// many vertices in one place, for which the robust operator is, and tiny discs at the poles, whose
 /// cotangents are sound.
 #[test]
 fn masses_of_any_ratio() {
@@ -180,9 +180,9 @@ fn one_short_edge() {
     }
 }
 
-/// Two ways that share little, on a pinned sheet with two vertices very close together:
+/// Two largely independent solvers, on a pinned sheet with two vertices very close together:
 /// shift-invert and a dense decomposition, which is off by ε times its largest eigenvalue unless it
-/// is mended.
+/// is refined.
 #[test]
 fn dense_and_sparse_agree_beside_a_needle() {
     for length in [1e-4, 1e-6] {

@@ -52,7 +52,7 @@ fn distances_along_strips() {
     }
 }
 
-/// A tube is a strip that is rolled up.
+/// A tube is a rolled-up strip.
 #[test]
 fn distances_along_tubes() {
     for kind in [LaplacianKind::Auto, LaplacianKind::Robust] {
