@@ -18,7 +18,7 @@ pub(crate) struct Fresh {
 pub(crate) struct Times {
     /// Seconds of the task, which touches every page for the first time.
     pub(crate) first: f64,
-    /// The most memory that the process used, in megabytes, where the system tells it.
+    /// The peak memory of the process in megabytes, if the system reports it.
     pub(crate) megabytes: Option<f64>,
 }
 

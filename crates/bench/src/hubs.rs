@@ -1,5 +1,5 @@
-//! Every verb of the program on meshes with a vertex of thousands of faces, or thousands of teeth,
-//! at two sizes: what grows faster than it should is named.
+//! Every verb of the program on meshes with a vertex of thousands of faces, or with thousands of
+//! teeth, at two sizes; commands whose time grows too fast are listed.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};

@@ -42,7 +42,7 @@ pub(crate) fn refill(job: &Job) -> Result<Work> {
     let mesh = io::read(&job.input)?.mesh;
     let mut laplacian = Laplacian::cotangent(&mesh)?;
     let stretched = mesh.positions().iter().map(|&[x, y, z]| [x, y, 1.25 * z]).collect();
-    // In turn, the one that comes next first.
+    // Both are used in turn; the first is the next one.
     let mut meshes = [mesh.with_positions(stretched)?, mesh];
     work(move |watch| {
         watch.phase("refill", || laplacian.refill(&meshes[0]))?;

@@ -91,7 +91,7 @@ pub(crate) struct Stopwatch {
     processor: Option<f64>,
 }
 
-/// Copying into a layout that the task asks for: timed, but not counted.
+/// Copying into the layout that the task needs: timed, but not counted.
 pub(crate) const PREPARE: &str = "prepare";
 
 impl Stopwatch {
@@ -125,9 +125,9 @@ impl Stopwatch {
     }
 }
 
-/// Processor time of all threads of this process in seconds, where Linux tells
-/// it: the first number of each `schedstat` is nanoseconds on a processor.
-/// Threads that have ended are not counted; those of a pool do not end.
+/// Processor time of all threads of this process in seconds; `None` unless on Linux. The first
+/// number of each `schedstat` is nanoseconds on a processor. Threads that have ended are not
+/// counted; those of a pool do not end.
 fn processor_seconds() -> Option<f64> {
     let mut nanoseconds = 0u64;
     for task in fs::read_dir("/proc/self/task").ok()? {
@@ -138,7 +138,7 @@ fn processor_seconds() -> Option<f64> {
     Some(nanoseconds as f64 * 1e-9)
 }
 
-/// The most memory this process has used, in megabytes, where Linux tells it.
+/// The peak memory of this process in megabytes; `None` unless on Linux.
 pub(crate) fn peak_megabytes() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
