@@ -200,8 +200,8 @@ pub enum SparseError {
         /// Blocks spent.
         blocks: usize,
     },
-    /// No gap follows the wanted eigenvalues that could be counted to, so that none can be said to
-    /// be missing: as on a mesh of thousands of equal spikes.
+    /// No gap after the wanted eigenvalues is wide enough for an inertia count, so their
+    /// completeness cannot be verified, as on a mesh of thousands of equal spikes.
     #[error(
         "eigenvalue {wanted}, {value:e}, and those that follow differ by less than 0.011 %: they \
          cannot be told apart"

@@ -1,10 +1,10 @@
 //! Numeric factorisation A = L D Lᵀ by the multifrontal method.
 //!
 //! Each supernode has a dense front of its columns and the rows below: the entries of A in its
-//! columns, and what its children in the elimination tree have left. After the columns are
-//! eliminated, the rest is handed to the parent. Independent subtrees run in parallel, and so do
-//! the products of large fronts above them; both are divided in the same way for any number of
-//! threads, so the result does not depend on it. Source: [duff1983].
+//! columns, and the rests of its children in the elimination tree. After the columns are
+//! eliminated, the rest of the front is passed to the parent. Independent subtrees run in parallel,
+//! and so do the products of large fronts above them; both are divided in the same way for any
+//! number of threads, so the result does not depend on it. Source: [duff1983].
 //!
 //! [duff1983]: https://doi.org/10.1145/356044.356047
 

@@ -169,7 +169,7 @@ impl GraphSystem {
         self.factorises = 1.5 * (1.0 + largest) > ILL_CONDITIONED || work.prefers_factorisation();
     }
 
-    /// Changes S and D, and chooses the solver anew; the analysis of the pattern is kept. `change`
+    /// Changes S and D, and chooses the solver again; the analysis of the pattern is kept. `change`
     /// receives the Laplacian and D. The connected parts must remain.
     ///
     /// # Errors
