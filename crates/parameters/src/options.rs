@@ -82,9 +82,9 @@ impl<O: Options> Entry<O> {
 /// A field has a documentation comment, a default, and where it needs them a range
 /// ([`Range`](crate::Range)), choices and a unit. The comment is the description in the help of
 /// programs. After the struct come the names of the algorithm, each with a one-line summary and its
-/// sources; of several names each says with which options, and how they are told apart. `also`
-/// lists parameters that are no fields, and `then` is called with the options and all values after
-/// the fields have been read.
+/// sources; each of several names has the options that it stands for, and a condition that tells it
+/// from the others. `also` lists parameters that are no fields, and `then` is called with the
+/// options and all values after the fields have been read.
 ///
 /// The struct gets a constant `DEFAULT`, `Default`, and [`Options`](crate::Options).
 ///

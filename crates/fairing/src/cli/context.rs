@@ -28,7 +28,7 @@ pub(crate) struct Context {
     pub(crate) bar: ProgressBar,
     /// The watch that Ctrl-C cancels.
     pub(crate) watch: Watch,
-    /// The file at work, of several.
+    /// The current file, if there are several.
     pub(crate) file: Option<OneOfSeveral>,
 }
 
@@ -51,7 +51,7 @@ impl Context {
         self.bar.suspend(|| eprintln!("error: {}", self.named(failure)));
     }
 
-    /// The text with the name of the file at work, if it is one of several.
+    /// The text with the name of the current file, if there are several.
     fn named(&self, text: impl Display) -> String {
         let text = text.to_string();
         match &self.file {
@@ -71,7 +71,7 @@ impl Context {
         }
     }
 
-    /// Prints the results of the file at work, below its name.
+    /// Prints the results of the current file, below its name.
     pub(crate) fn flush(&self) {
         let Some(OneOfSeveral { name, results }) = &self.file else { return };
         let results = results.lock().map(|results| results.clone()).unwrap_or_default();

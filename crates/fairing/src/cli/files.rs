@@ -26,7 +26,7 @@ pub(crate) struct Output<const REQUIRED: bool = true> {
     pub(crate) overwrite: Overwrite,
 }
 
-/// The output of a verb that can do without.
+/// The optional output of a verb.
 pub(crate) type OptionalOutput = Output<false>;
 
 /// Permission to replace an existing file.

@@ -1,4 +1,4 @@
-//! Several input files: what a verb does with one, done with each.
+//! Several input files: runs a verb on each of them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -68,14 +68,14 @@ pub(crate) enum TableFormat {
 }
 
 impl Summary {
-    /// Returns true if the verb shall return a summary and print nothing itself.
+    /// Returns true if the verb returns a summary instead of printing its results.
     pub(crate) fn is_wanted(&self) -> bool {
         self.json || self.table.is_some()
     }
 }
 
 impl Inputs {
-    /// Does the same with each input, and prints the summaries. `columns` are those of the text
+    /// Runs the verb on each input, and prints the summaries. `columns` are those of the text
     /// table.
     pub(crate) fn each(
         &self,

@@ -13,9 +13,9 @@ use super::context::Context;
 
 /// Runs shorter than this show no progress.
 const DELAY: Duration = Duration::from_millis(500);
-/// Time between two looks at the progress.
+/// Interval between updates of the progress.
 const TICK: Duration = Duration::from_millis(100);
-/// Time for cancelled work to end by itself before the process does.
+/// Time for cancelled work to unwind before the process ends.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// The exit code after Ctrl-C, as shells give it: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;

@@ -40,8 +40,8 @@ With uniform weights, --lambda is the fraction of the distance to the mean of th
 neighbours that a vertex moves in a step. Explicit steps are stable up to 4/3 (8/7 with a
 boundary), implicit steps always. With cotangents, --lambda is a diffusion time in squared
 mean edge lengths, and explicit steps are stable up to about 0.27 on regular meshes; --time
-gives it in squared units of the file. n implicit steps of L smooth
-about as much as one of n L.
+gives it in squared units of the file. n implicit steps of L smooth about as much as one
+of n L.
 
 --pin fixes vertices, --where fixes all vertices that a property of the file does not
 select, and --boundary sliding lets border vertices move along the border only. --soft
@@ -79,7 +79,7 @@ pub(crate) struct Smooth {
     /// take steps)
     #[arg(long, value_name = "S")]
     until: Option<f64>,
-    /// If a step after the first fails, write the mesh before that step, and still exit with an error
+    /// If a step after the first fails, write the mesh before it, and still exit with an error
     #[arg(long)]
     last_good: bool,
     #[command(flatten)]

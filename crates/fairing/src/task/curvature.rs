@@ -79,7 +79,7 @@ fn curvatures(field: &CurvatureField) -> [Column<'_>; 4] {
     ]
 }
 
-/// The standard errors and the radius that decided.
+/// The standard errors and the radius of the neighbourhood used.
 fn errors(field: &CurvatureField) -> Option<[Column<'_>; 3]> {
     let found = field.accuracy.as_ref()?;
     Some([
