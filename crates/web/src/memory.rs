@@ -1,9 +1,9 @@
 //! The interface of the module: one session, and requests through its memory.
 //!
-//! A page calls [`input`] for room, writes a request and the bytes that belong to it there, and
-//! calls [`call`]. The answer is a JSON object at the address returned, of [`answer_length`] bytes:
-//! `value` with `arrays`, each `[name, type, address, length]`; or `error`. Text and arrays are
-//! valid until the next call.
+//! A page reserves memory with [`input`], writes a request and the bytes that belong to it there,
+//! and calls [`call`]. The answer is a JSON object at the address returned, of [`answer_length`]
+//! bytes: `value` with `arrays`, each `[name, type, address, length]`; or `error`. Text and arrays
+//! are valid until the next call.
 //!
 //! No operation here is unsafe: functions are marked as exports, and those of the page as imports.
 
@@ -39,7 +39,7 @@ thread_local! {
     static STATE: RefCell<State> = RefCell::new(State::default());
 }
 
-/// Room for a request of this many bytes.
+/// Reserves memory for a request of this many bytes.
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn input(length: usize) -> *mut u8 {
     STATE.with_borrow_mut(|state| {

@@ -148,7 +148,7 @@ fn near(found: &Value, expected: &Value, bound: f64) -> Result<()> {
     Ok(())
 }
 
-/// JSON with numbers as JavaScript has them, which knows one kind only.
+/// JSON with numbers as in JavaScript, which has one kind only.
 fn plain(value: &Value) -> Value {
     match value {
         Value::Number(number) => json!(number.as_f64().map(|x| x + 0.0)),
