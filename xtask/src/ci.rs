@@ -104,8 +104,8 @@ fn target(root: &Path, name: &str) -> Command {
 
 fn browser(root: &Path) -> Result<()> {
     ensure!(REPRODUCE.build(root)?, "the report does not compile");
-    // The accepted values are of the generated meshes. The second run takes what the first has
-    // kept.
+    // The accepted values are of the generated meshes. The second run reuses the results of the
+    // first.
     for check in [&["--check"][..], &[]] {
         let mut reproduce = Command::new(REPRODUCE.path()?);
         reproduce.current_dir(root).env_remove("FAIRING_MESHES");

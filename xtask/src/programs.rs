@@ -56,7 +56,7 @@ pub(crate) fn study(root: &Path, arguments: &[OsString]) -> Result<ExitCode> {
     become_program(run).context("running cargo")
 }
 
-/// The cargo that runs us, in the root of the repository.
+/// The cargo that started this program, in the root of the repository.
 pub(crate) fn cargo(root: &Path) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root);
@@ -76,7 +76,7 @@ pub(crate) fn on_path(name: &str) -> bool {
     std::env::split_paths(&folders).any(|folder| folder.join(&file).is_file())
 }
 
-/// Says what is skipped, and why.
+/// Prints the name of a skipped check, with the reason.
 pub(crate) fn skip(what: &str, reason: &str) {
     println!("skipped: {what} ({reason})");
 }

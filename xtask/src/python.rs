@@ -134,7 +134,8 @@ pub(crate) fn test(root: &Path) -> Result<()> {
             return Ok(());
         }
     };
-    // All at once where that works; a package that is not there must not take the others along.
+    // All at once if possible; otherwise one by one, so that a package that is missing does not
+    // prevent the others.
     if !environment.install(PEERS)? {
         for package in PEERS.split_whitespace() {
             if !environment.install(package)? {

@@ -115,7 +115,7 @@ fn target<'a>(modules: &Modules<'a>, from: &Module<'a>, path: &[&'a str]) -> Opt
     (is_ours || at.len() > depth).then_some(at)
 }
 
-/// The modules in circles and between circles, each with those of them that it uses.
+/// The modules in circles and between circles, each with those that it uses among them.
 fn circles<'a>(modules: &Modules<'a>) -> BTreeMap<Module<'a>, BTreeSet<Module<'a>>> {
     let used = |(module, paths): (&Module<'a>, &BTreeSet<Vec<&'a str>>)| {
         let targets = paths.iter().filter_map(|path| target(modules, module, path));
@@ -123,7 +123,7 @@ fn circles<'a>(modules: &Modules<'a>) -> BTreeMap<Module<'a>, BTreeSet<Module<'a
     };
     let mut uses: BTreeMap<Module<'a>, BTreeSet<Module<'a>>> = modules.iter().map(used).collect();
     loop {
-        // Those that use no other, or that no other uses, are in no circle.
+        // Modules that use no other, or that no other uses, are in no circle.
         let count = uses.len();
         let all: BTreeSet<_> = uses.values().flatten().cloned().collect();
         uses.retain(|module, used| !used.is_empty() && all.contains(module));

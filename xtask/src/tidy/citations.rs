@@ -8,7 +8,7 @@ use super::tree::Tree;
 const BIBLIOGRAPHY: &str = "docs/bibliography.bib";
 
 /// Finds keys that the bibliography does not have, and citations that do not link to the address
-/// in the bibliography. That a link has its line is for rustdoc to say.
+/// in the bibliography. Rustdoc reports links without such a line.
 pub(super) fn check(tree: &Tree) -> Vec<String> {
     let bibliography = tree.texts.get(Path::new(BIBLIOGRAPHY)).map_or("", String::as_str);
     let addresses = addresses(bibliography);

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::tree::Tree;
 
-/// The most lines of a file of code.
+/// The largest number of lines of a file of code.
 const MAX_LINES: usize = 600;
-/// The most columns of a comment, as of code, which rustfmt breaks.
+/// The largest number of columns of a comment, as of code, which rustfmt breaks.
 const MAX_COLUMNS: usize = 100;
 /// Extensions of code.
 const CODE: [&str; 6] = ["rs", "mjs", "css", "html", "py", "sh"];

@@ -23,13 +23,13 @@ mv "usr/bin/wasm-ld-$version" usr/bin/wasm-ld
 
 /// A compiler with the target.
 pub(super) enum Toolchain {
-    /// The one that runs us.
+    /// The compiler that started this program.
     Installed,
     /// Debian's, unpacked below this folder; the standard library is compiled with it.
     Unpacked(PathBuf),
 }
 
-/// Returns true if the compiler that runs us has the target.
+/// Returns true if the compiler that started this program has the target.
 fn is_installed() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output =
