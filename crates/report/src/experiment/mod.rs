@@ -19,8 +19,8 @@ use crate::model::verdict::Judgement;
 
 /// One experiment of the report.
 ///
-/// Experiments know nothing of files, clocks or printing: the runner loads
-/// inputs, times, writes, draws the page and records the provenance of numbers.
+/// Experiments use no files, clocks or printing: the runner loads inputs, times, writes, draws the
+/// page and records the provenance of numbers.
 pub trait Experiment: Sync {
     /// Title, question, method and parameters.
     fn card(&self) -> Card;
@@ -30,8 +30,7 @@ pub trait Experiment: Sync {
     ///
     /// # Errors
     ///
-    /// Any failure; the runner reports it and goes on with the
-    /// other experiments.
+    /// Any failure; the runner reports it and continues with the other experiments.
     fn run(&self, context: &Context<'_>) -> Result<Outcome>;
 
     /// Judges the claims from the tables, and from nothing else.

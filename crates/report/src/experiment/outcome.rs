@@ -8,7 +8,7 @@ use crate::model::table::Table;
 use crate::model::view::View;
 
 /// Everything that an experiment produced, in the order in which the report
-/// shows it. The runner does the files.
+/// shows it. The runner writes the files.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// Tables; claims are judged from these alone.

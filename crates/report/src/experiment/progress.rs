@@ -1,6 +1,6 @@
 //! The hook by which a program shows how far the experiments are.
 
-/// Told what happens while experiments run. It sees everything and changes nothing.
+/// Receives the events of a run of experiments; it cannot affect the run.
 pub trait Progress: Sync {
     /// A run that is expected to take so long begins.
     fn start(&self, expected_seconds: f64) {

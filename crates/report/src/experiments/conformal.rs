@@ -193,7 +193,7 @@ pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
 mod tests {
     use super::*;
 
-    /// The distance may grow on the way; the caption does not call that a fall.
+    /// The distance may grow in between; the caption then does not say that it falls.
     #[test]
     fn the_caption_has_the_distances() {
         let text = rounded(&[(0, 0.58), (1, 0.69), (16, 0.36), (300, 0.0025)]).unwrap();

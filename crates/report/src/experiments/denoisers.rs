@@ -483,7 +483,7 @@ mod tests {
         let alone = at_defaults(Tables(&[best.clone()])).unwrap();
         assert_eq!(alone.verdict, Verdict::Confirmed);
         assert!(!alone.finding.contains("benchmark"), "{}", alone.finding);
-        // A pair of this run is counted apart, and not passed over if it is lost.
+        // A pair of this run is counted separately, also if the denoiser is not the best on it.
         best.push(row!["noisy machine part", 4.0, 6.0]);
         let with_known = at_defaults(Tables(&[best])).unwrap();
         assert_eq!(with_known.verdict, Verdict::Qualified);

@@ -303,7 +303,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
                 ("estimator", estimator.name().into()),
             ])?;
             let points = rows.column("h")?.into_iter().zip(rows.column(column)?);
-            // What is below rounding is no error of the estimator.
+            // A value below rounding is no error of the estimator.
             let points: Vec<_> = points.map(<[f64; 2]>::from).filter(|p| p[1] > ROUNDING).collect();
             lines.push((estimator, points));
         }

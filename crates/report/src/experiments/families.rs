@@ -28,8 +28,8 @@ const SAME: f64 = 2e-3;
 
 /// Adds the tables of the whole benchmark, from the results that the study keeps in the repository.
 ///
-/// Where the denoiser leaves other errors on the models of the section than it did when they were
-/// stored, they are left out, with a note that says so.
+/// If the errors of the denoiser on the models of the section differ from the stored ones, the
+/// tables are left out, with a note that says so.
 pub(super) fn add(automatic: &[(&str, f64)], outcome: &mut Outcome) -> Result<()> {
     let models =
         models_table().filled(include_str!("../../../../docs/reference/denoising/models.csv"))?;

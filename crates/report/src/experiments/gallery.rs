@@ -102,7 +102,7 @@ impl Gallery<'_> {
                     let (colors, bar) = coloring.paint()?;
                     // Looks on one scale share its bar.
                     let same = |b: &ColorBar| b.scale == bar.scale && b.quantity == bar.quantity;
-                    // A range as narrow as rounding says nothing.
+                    // A range as narrow as rounding has no meaning.
                     let is_flat = bar.scale.high() - bar.scale.low() < 1.01 * FLAT;
                     if !is_flat && !figure.bars.iter().any(same) {
                         figure.bars.push(bar);

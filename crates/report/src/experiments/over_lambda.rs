@@ -198,8 +198,8 @@ impl OverLambda<'_> {
         let mut table = Table::new("flows", &caption, &columns)
             .aside(&["vertex error", "crease precision", "crease recall"])
             .aside(&["displacement", "largest displacement", "growth"])
-            // What has diverged is mostly its roughest mode, what has collapsed is a point:
-            // rounding has its say.
+            // A diverged mesh is mostly its roughest mode, and a collapsed one is a point: rounding
+            // affects the numbers.
             .tolerance("normal error", Some(Tolerance::LOOSE));
         for (i, model) in models.iter().enumerate() {
             context.progress(0.15 * i as f64, model.name);

@@ -272,7 +272,7 @@ impl<'a> Rebuilt<'a> {
         let diagonal = self.mesh.diagonal();
         let ends = (1..most).filter(|&k| gap::next(&self.modes, k) == Some(k));
         let points = ends.map(|k| [k as f64, self.predicted[k] / diagonal]);
-        // What is below rounding has no place on a logarithmic axis.
+        // Values below rounding are not drawn on the logarithmic axis.
         Series::line(self.name, points.filter(|p| p[1] > FLOOR).collect())
     }
 

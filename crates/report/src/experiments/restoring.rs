@@ -305,7 +305,7 @@ mod tests {
 
     use super::*;
 
-    /// The names of two flows say the steps that they take.
+    /// The names of two flows contain the steps that they take.
     #[test]
     fn names_say_the_steps() {
         for (method, kind, steps) in [

@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Rotations of a torus give no zero but one, and every m > 0 is double.
+    /// A torus has one eigenvalue of zero, and every eigenvalue with m > 0 is double.
     #[test]
     fn eigenvalues_come_in_pairs() {
         let found = eigenvalues(1.0, 0.4, 13).unwrap();

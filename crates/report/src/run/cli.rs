@@ -55,7 +55,7 @@ struct Reproduce {
     /// Smaller sizes and fewer repetitions
     #[arg(long)]
     quick: bool,
-    /// Run everything, also what has not changed since the last run
+    /// Run all experiments, including those that have not changed since the last run
     #[arg(long)]
     fresh: bool,
     /// List the experiments and do nothing else
@@ -148,7 +148,7 @@ impl Reproduce {
     fn hold_against_reference(&self) -> Result<bool> {
         let publish = self.accept && !self.quick;
         let results = match &self.out {
-            // What is compared is measured, never taken from an earlier run.
+            // Compared values are measured, never taken from an earlier run.
             Some(out) => {
                 let plan = Plan { fresh: true, ..self.plan(None, out) };
                 reproduce(experiments::ALL, &plan)?

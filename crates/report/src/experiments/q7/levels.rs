@@ -309,8 +309,8 @@ mod tests {
         judge(Tables(&tables(angles, kept))).unwrap().verdict
     }
 
-    /// The best of the other methods, which leaves a degree at every level, has no say; nor has the
-    /// best flow.
+    /// The best of the other methods, which leaves a degree at every level, does not count; nor
+    /// does the best flow.
     #[test]
     fn the_flows_decide() {
         let (good, bad) = ([5.0; 4], [40.0; 4]);

@@ -261,7 +261,7 @@ fn compare(a: Limit, b: Limit) -> Option<Ordering> {
 }
 
 /// Judges the claim that published denoisers keep shapes at more noise than flows. The trained one
-/// has no say.
+/// does not count.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let sweep = tables.get("sweep")?;
     let meshes = sweep.labels("mesh")?;

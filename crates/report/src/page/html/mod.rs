@@ -120,8 +120,8 @@ fn contents(results: &Results) -> String {
     )
 }
 
-/// The idea under the reader's hand, then the subject and the number of claims that hold: the
-/// table of claims follows.
+/// The idea with its playground, then the subject and the number of claims that hold; the table of
+/// claims follows.
 fn opening(results: &Results) -> String {
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
     let mut text = format!(

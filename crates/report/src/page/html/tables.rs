@@ -15,7 +15,7 @@ use crate::page::{layout, markdown};
 
 /// Tables with deciding rows, and the others, folded.
 ///
-/// What is folded stands in a `<noscript>`, which the page's script opens with the fold, so that
+/// Folded tables are in a `<noscript>`, which the page's script opens with the fold, so that
 /// thousands of cells are no elements until they are asked for.
 pub(super) fn tables(record: &Record, folder: &Path) -> Result<[String; 2]> {
     let one = |t: &Table, folded: bool| {

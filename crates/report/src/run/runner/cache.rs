@@ -71,7 +71,7 @@ impl Cache {
             // An entry of another layout is as good as none.
             let Ok(entry) = serde_json::from_str::<Entry>(&text) else { continue };
             let files = place.join("files");
-            // Of an entry that has lost a file nothing is taken.
+            // An entry that has lost a file is not used.
             let whole = || entry.record.paths().all(|p| kept(&files, p).is_file());
             if entry.key == key && whole() {
                 copy(&files, to)?;
