@@ -147,7 +147,7 @@ def compared(
 
 
 def combined(case: Case, count: int) -> Iterator[Trial]:
-    """All combinations of so many conventions; pairs that do not fit keep no values."""
+    """All combinations of `count` conventions; pairs that do not fit keep no values."""
     closed = case.facts is not None and not case.facts.border.any()
     tried = [c for c in case.conventions if not (closed and "border" in c.change)]
     common = [c for c in tried if c.base]
