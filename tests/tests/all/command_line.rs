@@ -207,7 +207,7 @@ fn curvature_of_a_sphere_is_written_as_vertex_properties() {
         }
         let directions = fields.vector("direction1").is_some();
         assert_eq!(directions, name != "cotangent", "{name}");
-        // Only one knows how far it can be trusted.
+        // Only `adaptive` has standard errors.
         let trust = &summary["accuracy"]["mean_error"]["greatest"];
         assert_eq!(trust.as_f64().is_some_and(|e| e < tolerance), name == "adaptive", "{name}");
         assert_eq!(fields.scalar("mean_error").is_some(), name == "adaptive", "{name}");

@@ -179,8 +179,8 @@ fn waves_of_fused_views_are_removed() {
     assert!(change < 1.5, "{change}°");
 }
 
-/// The same waves on a closed block pass for relief, and most of them stay; a ball with fine bumps,
-/// closed as well, hardly changes.
+/// The same waves on a closed block are taken for relief, and most of them stay; a ball with fine
+/// bumps, closed as well, hardly changes.
 #[test]
 fn waves_of_fused_views_do_no_harm_on_closed_models() {
     let block = shapes::cad_block(0.07);

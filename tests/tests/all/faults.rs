@@ -80,7 +80,7 @@ fn a_read_only_folder_is_refused_before_the_work() {
     assert_eq!(files(&place), [""; 0]);
 }
 
-/// Sets a flag when it goes, also in a panic: a thread that waits for it must not wait for ever.
+/// Sets a flag when dropped, also in a panic, so that no thread waits for the flag for ever.
 struct Done<'a>(&'a AtomicBool);
 
 impl Drop for Done<'_> {
@@ -104,7 +104,7 @@ fn a_file_that_changes_while_it_is_read_is_an_error() {
                 std::thread::sleep(Duration::from_micros(200));
             }
         });
-        // On a busy machine the writer may rest for the whole time that reading takes.
+        // On a busy machine the writer may be suspended during the whole reading.
         (0..20).find_map(|_| {
             let output = fairing(folder.path(), "repair growing.obj -o out.ply");
             if output.status.success() {

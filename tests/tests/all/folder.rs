@@ -127,7 +127,7 @@ fn a_folder_of_scans_is_repaired_denoised_and_measured() {
         assert_eq!(row.split_whitespace().nth(1), Some("yes"), "changed again: {row}");
     }
 
-    // Broken files once more: those that were repaired, and the rest of the folder.
+    // The repaired files, and the broken ones once more.
     let inputs: Vec<String> = (clean.iter().map(|name| format!("clean/{name}")))
         .chain(scans.iter().filter(|name| name.contains("bad-")).cloned())
         .collect();

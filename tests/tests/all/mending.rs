@@ -118,7 +118,7 @@ fn rotation(of: u64) -> [[f64; 3]; 3] {
     ]
 }
 
-/// A mesh as a soup in single precision, each face rotated into place so many times.
+/// A mesh as a soup in single precision, each face rotated into place this number of times.
 fn rotated_into_place(mesh: &TriMesh, times: u64) -> TriMesh {
     let corners = mesh.faces().iter().enumerate().flat_map(|(f, face)| {
         let turns: Vec<_> = (0..times).map(|t| rotation(1 + 7 * f as u64 + t)).collect();
@@ -137,7 +137,7 @@ fn rotated_into_place(mesh: &TriMesh, times: u64) -> TriMesh {
     TriMesh::new(corners.collect(), faces).unwrap()
 }
 
-/// The table that the tolerance was chosen by.
+/// The table from which the tolerance was chosen.
 #[test]
 fn the_default_tolerance_is_that_of_the_table() {
     let torus = shapes::torus(3.0, 1.0, 48, 24);

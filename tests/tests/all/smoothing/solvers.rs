@@ -71,8 +71,8 @@ fn factors_and_iterations_agree() {
     }
 }
 
-/// Mean curvature flow over a fixed square frame, whose limit is flat: a few long steps, factorised
-/// anew each time, agree with the limit of many iterations.
+/// Mean curvature flow over a fixed square frame, whose limit is flat: a few long steps, each with
+/// a factorisation of its own, agree with the limit of many iterations.
 #[test]
 fn long_steps_of_mean_curvature_flow_are_factored() {
     let plane = shapes::plane(40, 40, shapes::Diagonals::Alternating);
