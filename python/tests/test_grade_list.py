@@ -1,4 +1,4 @@
-"""What is handed in, written out as students write it, and the name that the judge gives to it.
+"""Submissions written as students write them, and the name that the judge gives to each.
 
 Answers come from the loops of test_grade_students.py, not from the formulas of the judge.
 """
@@ -474,7 +474,7 @@ def test_deviations_on_a_closed_mesh_are_named(case: Any, closed: Student) -> No
 def test_right_answers_stay_right_on_a_closed_mesh(
     quantity: str, case: Case, closed: Student
 ) -> None:
-    """What differs at borders alone is right here; conventions are no mistakes."""
+    """Answers that differ at borders alone are right here; conventions are no mistakes."""
     _, answer, status, _ = case
     if status in ("right", "convention", "convention|border"):
         report = JUDGES[quantity][1](closed.mesh, answer(closed))

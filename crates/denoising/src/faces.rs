@@ -34,7 +34,7 @@ pub(crate) struct Hinges {
 impl Hinges {
     pub(crate) fn new(mesh: &TriMesh) -> Self {
         let (topology, faces) = (mesh.topology(), mesh.faces());
-        // Whether face `f` runs along its edge `e` from the lower end up.
+        // True if face `f` runs along its edge `e` from the lower vertex to the higher one.
         let ascends = |f: u32, e: u32| {
             let sides = topology.face_edges()[f as usize];
             let corners = faces[f as usize];

@@ -52,7 +52,7 @@ impl JumpTree {
             }
         }
         let (order, parents, widths) = rooted(&neighbors);
-        // What remains of the areas when the children are eliminated: sums without subtractions.
+        // The areas that remain once the children are eliminated: sums without subtractions.
         let mut grounded = system.areas.clone();
         let (mut inverse, mut upwards) = (vec![0.0; count], vec![0.0; count]);
         for f in order.iter().rev().map(|&f| f as usize) {

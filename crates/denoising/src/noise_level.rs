@@ -84,7 +84,7 @@ pub struct NoiseEstimate {
     ///   their height, and on fewer than a few hundred vertices.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
-    /// What a quadric of that size misses of the surface counts as noise.
+    /// Differences between the surface and a quadric of that size count as noise.
     pub wide_sigma: f64,
     /// The number of vertices that the estimate is made from.
     pub samples: usize,
@@ -466,7 +466,7 @@ mod tests {
         let pleated = grid(|| {
             let (x, y) = (f64::from(k % 60), f64::from(k / 60));
             k += 1;
-            // What the grid adds.
+            // The relief that `grid` adds.
             let bumps = 3.0 * (0.1 * x).sin() * (0.07 * y).cos();
             (x % 6.0 - 3.0).abs() - bumps + 0.03 * gaussian(&mut rng)
         });
@@ -541,7 +541,7 @@ mod tests {
     }
 
     /// Seven points around a vertex are hardly more than the six unknowns of a
-    /// fit: what is left of them says nothing about noise.
+    /// fit: their residuals contain no information about noise.
     #[test]
     fn few_neighbours_measure_nothing() {
         let mut positions = vec![[0.1, 0.0, 1.0], [0.0, 0.05, -1.1]];

@@ -152,7 +152,7 @@ impl Field<'_> {
                 let third =
                     self.mesh.faces()[face as usize].into_iter().find(|v| !ends.contains(v))?;
                 let down = self.descent(face);
-                // The sides that the ray can leave through. If there are none, it leads back over
+                // The sides that the ray can leave through. Without such a side it leads back over
                 // the edge, and the path follows the edge to its lower end.
                 let through = [[a, third], [third, b]].into_iter().find_map(|side| {
                     let fraction = self.crossing(face, here, down, side)?;

@@ -106,7 +106,7 @@ impl Frames {
         for i in 1..=POINTS {
             normals.push(across(normals[i - 1], tangent(i)));
         }
-        // What is missing to a whole turn is spread over the curve.
+        // The angle missing to a whole turn is spread over the curve.
         let (start, end) = (normals[0], normals[POINTS]);
         let missing = libm::atan2(end.cross(start).dot(first), end.dot(start));
         for (i, n) in normals.iter_mut().enumerate() {

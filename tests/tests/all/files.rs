@@ -90,7 +90,7 @@ fn points_are_described_and_converted() {
     run(place, "--quiet repair points.obj -o repaired.ply");
 }
 
-/// A component limit above all components leaves nothing, which the error says.
+/// A component limit above the size of every component leaves nothing, and the error names it.
 #[test]
 fn a_repair_that_would_leave_nothing_fails() {
     let folder = folder_with_torus();

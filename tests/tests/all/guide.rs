@@ -178,7 +178,7 @@ fn commands_print_what_their_pages_show() {
             }
         }
         let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-        // Those of other packages are compared by the tests of the Python package.
+        // Pictures of other packages are compared by the tests of the Python package.
         let pictures = targets.filter(|target| {
             let name = target.trim_start_matches("pictures/");
             let is_python =

@@ -9,7 +9,7 @@ use crate::trimesh::TriMesh;
 ///
 /// # Errors
 ///
-/// Those of `parry3d_f64::shape::TriMesh::new`: a mesh without faces.
+/// The error of `parry3d_f64::shape::TriMesh::new` for a mesh without faces.
 ///
 /// # Examples
 ///

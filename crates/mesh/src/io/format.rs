@@ -76,7 +76,7 @@ impl Format {
         self.row().holds
     }
 
-    /// The format that the file extension says, if it is a known one, in any case.
+    /// The format of a known file extension, in upper or lower case.
     pub fn from_path(path: impl AsRef<Path>) -> Option<NamedFormat> {
         let path = path.as_ref();
         let name = path.file_name().map(|n| n.to_string_lossy().to_ascii_lowercase());
@@ -95,9 +95,9 @@ impl Format {
         Self::ALL.into_iter().rev().find(|format| (format.row().looks_like)(bytes))
     }
 
-    /// Decides by content and name. The content decides where the name says
-    /// nothing; where the content is unclear (a damaged file, say) the name
-    /// does, and its parser finds the fault.
+    /// Decides by content and name. The content decides if the name has no known extension; if the
+    /// content is unclear (in a damaged file, for example), the name decides, and its parser finds
+    /// the fault.
     pub(crate) fn decide(named: Option<Self>, bytes: &[u8]) -> Result<Self, Fault> {
         let other = |name: Self, content: &str| {
             let (extension, content) = (name.to_string(), content.to_owned());

@@ -152,7 +152,7 @@ fn parts_within_others_keep_their_winding_unless_they_are_cavities() {
                 result.changed(RepairStep::NestedParts).first().copied(),
                 solid_within.then_some(80)
             );
-            // What an outermost part holds is turned with it.
+            // The parts inside an outermost part are flipped with it.
             let turned = result.changed(RepairStep::TurnedFaces);
             assert_eq!((turned.contains(&80), turned.contains(&320)), (sign < 0.0, sign < 0.0));
         }

@@ -72,10 +72,10 @@ struct Pass<'a> {
     keep: Vec<bool>,
     /// Vertices of changed faces, and the neighbours of merged vertices.
     touched: HashSet<u32>,
-    /// Those that have got or lost neighbours of their own accord: ends of collapsed edges, and
-    /// the corners of the faces of a flip.
+    /// Touched vertices whose own neighbours have changed: ends of collapsed edges, and the corners
+    /// of the faces of a flip.
     ends: HashSet<u32>,
-    /// Those that have lost faces without getting others.
+    /// Touched vertices that have lost faces and gained none.
     gone: HashSet<u32>,
     changed: Vec<u32>,
 }
@@ -229,8 +229,8 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// True if a change of faces with these vertices goes with those before it in this pass, where
-    /// `ends` get or lose neighbours, the first of them perhaps all faces.
+    /// True if a change of faces with these vertices is compatible with those before it in this
+    /// pass, where `ends` get or lose neighbours, the first of them perhaps all faces.
     ///
     /// Either the ends are touched by none and none has ends here, or at most one vertex is shared,
     /// which does not lose faces.

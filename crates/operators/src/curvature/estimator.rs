@@ -119,7 +119,7 @@ mod tests {
             for estimator in Estimator::all() {
                 let field = estimator.estimate(&sphere).unwrap();
                 let off = field.mean.iter().map(|h| (h - 1.0).abs()).fold(0.0, f64::max);
-                // Which does not converge at the twelve vertices of valence 5.
+                // The estimator steiner does not converge at the twelve vertices of valence 5.
                 let limit = if estimator.name() == "steiner" { 0.16 } else { limit };
                 assert!(off < limit, "{estimator}, {} vertices: {off}", field.len());
             }

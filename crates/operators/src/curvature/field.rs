@@ -22,8 +22,8 @@ pub struct CurvatureField {
     pub mean: Vec<f64>,
     /// K, in 1 / squared mesh units: κ₁ κ₂, or the estimator's own measure.
     pub gaussian: Vec<f64>,
-    /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the
-    /// estimator knows no directions.
+    /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the estimator provides no
+    /// directions.
     pub directions: Option<[Vec<[f64; 3]>; 2]>,
     /// The status of each vertex: defined, or the reason why it is not.
     pub status: Vec<VertexStatus>,
@@ -37,7 +37,7 @@ pub struct CurvatureField {
     /// The vertices whose neighbourhood turns by more than 60°, so that a fit took fewer rings or a
     /// lower degree there; zero for estimators that fit no polynomial.
     pub narrowed: usize,
-    /// Standard errors and scales, of the estimator that knows them ([`adaptive_curvature`]).
+    /// Standard errors and scales, from the estimator that provides them ([`adaptive_curvature`]).
     ///
     /// [`adaptive_curvature`]: super::adaptive_curvature
     pub accuracy: Option<Accuracy>,

@@ -36,7 +36,7 @@ pub enum JetDegree {
     Four,
 }
 
-/// The name of the jet says its degree: no parameter.
+/// The degree is part of the name of the jet, so it is no parameter.
 impl Field for JetDegree {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         Vec::new()

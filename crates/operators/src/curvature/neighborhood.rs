@@ -227,7 +227,7 @@ impl Explorer {
                 while start < self.found.len() {
                     start = self.grow(topology, start, |w| at(w).distance(centre) <= radius);
                 }
-                // Those turned away lie next to any of the others.
+                // Vertices rejected before may be neighbours of any that were found.
                 start = 0;
             }
         }

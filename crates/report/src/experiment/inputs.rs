@@ -108,7 +108,7 @@ inputs! {
 }
 
 impl Input {
-    /// Those with a stand-in, in the order of the questions.
+    /// The inputs with a stand-in, in the order of the questions.
     pub fn with_stand_in() -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(|input| input.stand_in().is_some())
     }

@@ -107,7 +107,7 @@ impl Experiment for Denoisers {
 struct Ratios(Vec<f64>);
 
 impl Ratios {
-    /// Those of the table on meshes of this section, or on the others.
+    /// The ratios of the table on meshes of this section, or on the others.
     fn of(best: &Table, of_section: bool) -> Result<Self> {
         let (least, own) = (best.column("its normal error")?, best.column("automatic")?);
         let names = best.labels("mesh")?;

@@ -38,9 +38,9 @@ pub(super) struct Coloring<'a> {
 /// Vertices that set the range of the colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Range {
-    /// All of them, as in the assignment.
+    /// All vertices, as in the assignment.
     All,
-    /// Those inside; the others are coloured like the nearest value in range.
+    /// Inner vertices; the others are coloured like the nearest value in range.
     Inside,
 }
 

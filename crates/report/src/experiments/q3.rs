@@ -279,7 +279,7 @@ fn view(
         let signed =
             |panel: Panel| panel.with_field("mean curvature", "1/mesh units", true, &mean.signed);
         let size = |panel: Panel| panel.with_field("‖Δx‖/2", "1/mesh units", false, &mean.norms());
-        // What is shown first is to show something.
+        // The view opens with the first field.
         let zeros = vec![0.0; mesh.vertex_count()];
         if flat {
             signed(size(plain).exactly(zeros.clone())).exactly(zeros)

@@ -82,16 +82,16 @@ impl fmt::Display for Steps {
     }
 }
 
-/// Those of [`Method::Explicit`].
+/// Steps of [`Method::Explicit`].
 pub(super) const EXPLICIT: Steps = Steps { lambda: 0.5, count: 10 };
 
-/// Those of [`Method::Implicit`]: the same diffusion time.
+/// Steps of [`Method::Implicit`], with the same diffusion time.
 pub(super) const IMPLICIT: Steps = Steps { lambda: 5.0, count: 1 };
 
-/// Those of [`Method::ReportExplicit`]: the best of the original report.
+/// Steps of [`Method::ReportExplicit`], the best of the original report.
 pub(super) const REPORT_EXPLICIT: Steps = Steps { lambda: 0.05, count: 50 };
 
-/// Those of [`Method::ReportImplicit`]: likewise.
+/// Steps of [`Method::ReportImplicit`], likewise.
 pub(super) const REPORT_IMPLICIT: Steps = Steps { lambda: 5.0, count: 10 };
 
 /// The spectral method keeps one mode in this many, and more up to the next gap between

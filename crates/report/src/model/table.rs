@@ -248,7 +248,7 @@ fn outwards(x: f64, round: fn(f64) -> f64) -> f64 {
         return x;
     }
     let unit = libm::pow(10.0, libm::log10(x.abs()).floor() - 1.0);
-    // What is on the grid to rounding stays there.
+    // Multiples of the unit up to rounding stay as they are.
     let steps = x / unit;
     if (steps - steps.round()).abs() < 1e-9 { steps.round() * unit } else { round(steps) * unit }
 }

@@ -66,7 +66,7 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
 #[derive(Debug, Clone)]
 struct Errors {
     levels: Vec<f64>,
-    /// Where more of the volume is lost than allowed, a right angle.
+    /// Normal errors; a right angle at levels where more of the volume is lost than allowed.
     angles: Vec<f64>,
     /// Standard errors of the angles.
     uncertain: Vec<f64>,
@@ -74,7 +74,7 @@ struct Errors {
 }
 
 impl Errors {
-    /// Those of a method, if a shape may lose this much of its volume, in per cent.
+    /// The errors of a method, if a shape may lose this much of its volume, in per cent.
     fn new(rows: &Results, shrunk: f64) -> Result<Self> {
         let optional = |column: &str| -> Result<Vec<Option<f64>>> {
             let c = rows.index(column)?;

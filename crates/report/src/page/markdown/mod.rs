@@ -70,7 +70,7 @@ fn section(record: &Record, next: &mut usize) -> String {
     let sources: Vec<String> =
         bibliography::cited(&record.section.sources).iter().map(source).collect();
     let sources = (!sources.is_empty()).then(|| format!("Sources: {}.", sources.join("; ")));
-    // The table of symbols says it of each mesh.
+    // The table of symbols covers the case of each mesh.
     let reference =
         notation::reference(record).filter(|_| record.section.edge_lengths_of != "each mesh");
     let asides: Vec<String> = reference.into_iter().chain(sources).collect();
