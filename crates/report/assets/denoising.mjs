@@ -98,9 +98,9 @@ export class DenoisingPlayground extends Playground {
     const [noisy, flow, filter] = this.now.found;
     const of = ({angle, volume, creases}) => `a normal error of ${readable(angle, 2)}°, creases with an F-score of ${readable(creases, 2)} % and a volume changed by ${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`;
     const least = Math.min(noisy.angle, flow.angle, filter.angle);
-    const who = least === noisy.angle ? 'Nothing helps here: the noisy part is the closest to the truth'
-      : `${least === filter.angle ? 'The filter' : 'Diffusion'} leaves the least normal error`;
-    return `${who}. Diffusion leaves ${of(flow)}; the filter ${of(filter)}.`;
+    const who = least === noisy.angle ? 'Neither helps here: the noisy part is closest to the truth'
+      : `${least === filter.angle ? 'The filter' : 'Diffusion'} has the smallest normal error`;
+    return `${who}. Diffusion has ${of(flow)}; the filter has ${of(filter)}.`;
   }
 
   plot(sigma) {
@@ -119,6 +119,6 @@ export class DenoisingPlayground extends Playground {
   about(v) {
     const off = this.now.found.map(({positions}) => Math.hypot(...[0, 1, 2].map((c) => positions[3 * v + c] - this.truth[3 * v + c])) / this.h);
     const [noisy, flow, filter] = off.map((x) => readable(x, 2));
-    return `Off its true place by ${noisy} h (noisy), ${flow} h (diffusion) and ${filter} h (filter).`;
+    return `Distance from its true position: ${noisy} h (noisy), ${flow} h (diffusion) and ${filter} h (filter).`;
   }
 }

@@ -14,7 +14,7 @@ function spread(positions) {
  * shrunk below this part of it, at its middle in its size; the words say so.
  */
 export function fitted(input, positions, least = 0) {
-  if (!positions || !positions.every(Number.isFinite)) return {positions: input, note: ' has no number left'};
+  if (!positions || !positions.every(Number.isFinite)) return {positions: input, note: ' has overflowed'};
   const [before, after] = [spread(input), spread(positions)];
   const growth = after.size / before.size;
   if (growth <= 3 && growth >= least) return {positions, note: ''};

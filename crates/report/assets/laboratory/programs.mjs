@@ -55,7 +55,7 @@ export function shell(input, meshes) {
       return `fairing geodesic ${word(file(i))} -o ${word(beside(i, 'distance.ply'))} --from ${vertices(sources).join()}`;
     },
     spectrum: (request, i) => {
-      if (uniform(request)) return '# No command has the modes of uniform weights: see the programs in Rust and Python.';
+      if (uniform(request)) return '# No command computes modes of uniform weights: see the programs in Rust and Python.';
       return does(request, file(i), beside(i, 'modes.npz'));
     },
     // The file has all modes.
@@ -64,7 +64,7 @@ export function shell(input, meshes) {
   };
   const made = (request, i) => {
     if (request.verb !== 'reconstruct' || !uniform(request)) return does(request, file(i - 1), file(i));
-    return `echo 'no command has the modes of uniform weights: see the programs in Rust and Python' >&2; exit 1`;
+    return `echo 'no command computes modes of uniform weights: see the programs in Rust and Python' >&2; exit 1`;
   };
   const all = meshes.flatMap(({request, asked}, i) => [
     i ? made(request, i) : null,

@@ -208,7 +208,7 @@ pub(super) fn provenance(chrome: &mut Chrome, report: &Path) -> Result<()> {
     ensure!(values == heights, "{}", found[2]);
     let words = |k: usize| found[k].as_str().unwrap_or_default();
     ensure!(!words(3).contains("Removed") && found[4] == own, "{}, {}", found[3], found[4]);
-    ensure!(words(5).contains("Replaced, of the file: distance."), "{}", found[5]);
+    ensure!(words(5).contains("Replaced fields of the file: distance."), "{}", found[5]);
     ensure!(words(7).contains("Removed") && words(7).contains("geodesic distance"), "{}", found[7]);
     ensure!(found[8] == json!(["mean", "defined"]), "{}", found[8]);
     quiet(chrome)
