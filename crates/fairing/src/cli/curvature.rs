@@ -30,8 +30,8 @@ Examples:
 ///
 /// Prints a summary; with --output, writes the vertex properties mean, gaussian, kappa1 >= kappa2
 /// and, if the estimator provides them, the principal unit directions direction1 and direction2,
-/// the standard errors mean_error and gaussian_error, and scale, the radius of the neighbourhood
-/// used, in units of the file. The property defined is 0 at vertices without a value (the values
+/// the standard errors mean_error and gaussian_error, and scale, the radius with the largest weight
+/// in mean, in units of the file. The property defined is 0 at vertices without a value (the values
 /// there are 0 and meaningless); boundary is 1 at boundary vertices, whose values are one-sided.
 /// PLY and VTP files hold these properties. Units are 1/length of the file, for gaussian 1/length².
 /// Curvature is positive on a sphere whose faces are counter-clockwise seen from outside. Other

@@ -79,7 +79,7 @@ fn curvatures(field: &CurvatureField) -> [Column<'_>; 4] {
     ]
 }
 
-/// The standard errors and the radius of the neighbourhood used.
+/// The standard errors and the radius with the largest weight in H.
 fn errors(field: &CurvatureField) -> Option<[Column<'_>; 3]> {
     let found = field.accuracy.as_ref()?;
     Some([

@@ -51,7 +51,7 @@ pub struct Accuracy {
     pub mean_error: Vec<f64>,
     /// The standard error of K, in 1 / squared mesh units.
     pub gaussian_error: Vec<f64>,
-    /// The radius of the neighbourhood from which H was estimated, in mesh units.
+    /// The radius of the neighbourhood with the largest weight in H, in mesh units.
     pub scale: Vec<f64>,
     /// The standard deviation of the noise along the normal, in mesh units: one number for each
     /// connected component.

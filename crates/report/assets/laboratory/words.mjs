@@ -12,7 +12,7 @@ const LABELS = {
   kappa2: ['principal curvature κ₂', '1/file unit'],
   mean_error: ['standard error of H', '1/file unit'],
   gaussian_error: ['standard error of K', '1/file unit²'],
-  scale: ['radius used for H', 'file units'],
+  scale: ['radius with the largest weight in H', 'file units'],
   distance: ['geodesic distance', 'file units'],
   source: ['vertex before the repair', ''],
 };
