@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use anyhow::{Context as _, Result};
-use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up};
+use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up, Viewpoint};
 use fairing_mesh::TriMesh;
 use fairing_smoothing::{FlowError, Smoothed};
 use glam::DVec3;
@@ -313,7 +313,7 @@ impl OverLambda<'_> {
             alt: TEXT.say("view alt", values)?,
             fallback: model.slug(),
             color: None,
-            z_up: true,
+            z_up: directions(&model.noisy).0 == Up::Z,
             sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
             start: self.start(model, &counts, &stops),
             panels: vec![
@@ -336,7 +336,23 @@ fn with_facts(panel: Panel, measures: &[Measures]) -> Panel {
         .with_fact(CREASES, "%", of(percent))
 }
 
-/// Meshes in columns, from the two viewpoints in rows.
+/// Below this share of its diagonal along z a mesh is nearly flat.
+const FLAT: f64 = 0.05;
+
+/// Viewpoints, with y up, from which the light of the camera grazes the xy-plane, so that noise is
+/// seen.
+const GRAZED: [Viewpoint; 2] = [
+    Viewpoint::Angles { azimuth: -30.0, elevation: 20.0 },
+    Viewpoint::Angles { azimuth: 25.0, elevation: 40.0 },
+];
+
+/// The axis that points upward in pictures of a mesh, and their viewpoints.
+fn directions(mesh: &TriMesh) -> (Up, &'static [Viewpoint; 2]) {
+    let height = mesh.bounding_box().map_or(0.0, |[low, high]| high[2] - low[2]);
+    if height < FLAT * mesh.diagonal() { (Up::Y, &GRAZED) } else { (Up::Z, &VIEWPOINTS) }
+}
+
+/// Meshes in columns, from two viewpoints in rows.
 pub(super) fn side_by_side(
     model: &Model,
     id: &str,
@@ -345,13 +361,8 @@ pub(super) fn side_by_side(
     alt: &str,
 ) -> Result<Picture> {
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    let gallery = Gallery {
-        looks,
-        viewpoints: &VIEWPOINTS,
-        up: Up::Z,
-        aspect: 1.0,
-        occlusion: model.occlusion,
-    };
+    let (up, viewpoints) = directions(&model.noisy);
+    let gallery = Gallery { looks, viewpoints, up, aspect: 1.0, occlusion: model.occlusion };
     gallery.draw(id, caption, alt)
 }
 
