@@ -124,8 +124,10 @@ pub(crate) fn logarithmic(low: f64, high: f64, wanted: usize) -> Ticks {
         return Ticks { minor: vec![], ..linear(low, high, wanted) };
     }
     let plain = |x: f64| crate::ticks::number(x, 1);
-    if decades < 2.2 {
-        let major = multiples(&[1.0, 2.0, 5.0]).into_iter().map(|x| (x, plain(x))).collect();
+    let round = multiples(&[1.0, 2.0, 5.0]);
+    // More labels than this would run into each other; they span two powers of ten.
+    if decades < 2.2 && round.len() <= 3 * wanted {
+        let major = round.into_iter().map(|x| (x, plain(x))).collect();
         let minor = multiples(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0]);
         return Ticks { major, minor, exponent: 0 };
     }
@@ -195,5 +197,6 @@ mod tests {
         assert_eq!(labels(&logarithmic(1e-12, 1.0, 4)), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
         assert_eq!(labels(&logarithmic(0.05, 15.0, 2)), ["10⁻¹", "10⁰", "10¹"]);
         assert_eq!(labels(&logarithmic(1.0, 3.0, 4)), ["1.0", "1.5", "2.0", "2.5", "3.0"]);
+        assert_eq!(labels(&logarithmic(80.0, 12_000.0, 2)), ["10²", "10³", "10⁴"]);
     }
 }

@@ -288,6 +288,8 @@ fn times(level: u32, context: &Context<'_>) -> Result<Table> {
 /// The largest error over h on jittered meshes, a panel for each surface.
 fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
+    // An estimator has one colour in all panels.
+    let mut colored = vec![Estimator::RECOMMENDED.name(), BASELINE];
     for sample in Sample::ALL {
         let mut plot = Plot {
             title: sample.name().into(),
@@ -310,9 +312,17 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         lines.retain(|(_, points)| !points.is_empty());
         let best = least_at_the_end(&lines);
         for (estimator, points) in lines {
-            let line = Series::marked(estimator.name(), points);
-            let stands_out = best.contains(&estimator.name()) || estimator.name() == BASELINE;
-            plot.series.push(if stands_out { line } else { line.quiet() });
+            let name = estimator.name();
+            let line = Series::marked(name, points);
+            plot.series.push(if best.contains(&name) || name == BASELINE {
+                let style = colored.iter().position(|known| *known == name).unwrap_or_else(|| {
+                    colored.push(name);
+                    colored.len() - 1
+                });
+                Series { style: Some(style), ..line }
+            } else {
+                line.quiet()
+            });
         }
         plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));

@@ -4,7 +4,7 @@
 use anyhow::Result;
 use fairing_figure::{
     Background, Camera, ColorBar, Colors, Field, Figure, Limits, Occlusion, Panel, RenderOptions,
-    Scale, ScaleOptions, Up, Viewpoint, Wireframe, render,
+    Scale, ScaleOptions, Shading, Up, Viewpoint, Wireframe, render,
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::ScalarCurvature;
@@ -83,6 +83,7 @@ impl Gallery<'_> {
         let options = RenderOptions {
             width: (ZOOM * width) as u32,
             height: (ZOOM * width / self.aspect) as u32,
+            shading: Shading::Creased { degrees: 45.0 },
             wireframe: Some(Wireframe { opacity: 0.3, ..Wireframe::default() }),
             background: Background::WHITE,
             ..RenderOptions::default()
