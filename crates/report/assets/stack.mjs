@@ -11,6 +11,7 @@ export class Stack {
     const all = [...document.querySelectorAll('svg.figure')].map((svg) => new Stack(svg));
     const fit = () => all.forEach((figure) => figure.fit(narrow.matches));
     narrow.addEventListener('change', fit);
+    addEventListener('resize', fit);
     // A figure in a closed fold has no size.
     for (const fold of document.querySelectorAll('main details')) fold.addEventListener('toggle', fit);
     fit();
