@@ -24,7 +24,7 @@ impl Experiment for Shown {
             id: "shown",
             title: "A sphere",
             question: "What is there to see?".into(),
-            method: "By looking.\n\nTwice.".into(),
+            method: "By looking.\n\nAt `both` sides.".into(),
             formulas: vec![r"H = \frac{1}{r}".into()],
             section: fairing_report::model::section::Section::default(),
             inputs: &[],
@@ -119,6 +119,7 @@ fn a_report_is_made_again_from_its_files() {
         assert!(again.iter().all(|text| text.contains("By looking.")));
         assert!(again.last().is_some_and(|markdown| markdown.contains(r"\frac{1}{r}")));
         assert_eq!(again[0].contains("<mfrac>"), form == Form::Whole);
+        assert_eq!(again[0].contains("At <code>both</code> sides."), form == Form::Whole);
     }
 }
 

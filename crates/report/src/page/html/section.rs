@@ -65,7 +65,7 @@ fn method(record: &Record) -> Result<String> {
     let mut text = String::new();
     let mut paragraphs = record.method.split("\n\n").filter(|p| !p.is_empty());
     if let Some(first) = paragraphs.next() {
-        let _ = write!(text, "<p>{}</p>", escape(first));
+        let _ = write!(text, "<p>{}</p>", with_code(first));
     }
     // Side by side; where the screen is narrow, parts go below one another.
     let parts = record.formulas.iter().flat_map(|formula| formula.split(r"\qquad"));
@@ -82,7 +82,7 @@ fn method(record: &Record) -> Result<String> {
     if !asides.is_empty() {
         let _ = write!(text, "<p class=\"soft\">{}</p>", asides.join(" "));
     }
-    let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
+    let rest: String = paragraphs.map(|p| format!("<p>{}</p>", with_code(p))).collect();
     let (rows, files) = (parameters(record), files(record));
     text += "<div class=\"folds\">";
     if !(rest.is_empty() && rows.is_empty()) {
