@@ -20,7 +20,7 @@ use super::table::{Table, cell, number};
 const EXAMPLES: &str = "\
 Examples:
   fairing geodesic bunny.ply --from 0 -o distance.ply
-  fairing geodesic bunny.ply --from 0.1:0.2:0.05 --path 1200 --lines way.obj
+  fairing geodesic bunny.ply --from 0.1:0.2:0.05 --path 1200 --lines path.obj
   fairing geodesic bunny.ply --from 0,99 --isolines 0.01 --lines rings.obj -o distance.ply
   fairing render distance.ply -o distance.png --field distance";
 
