@@ -71,7 +71,7 @@ const SENTENCES = {
   split: (split) => split && 'The number of modes splits a group of equal eigenvalues.',
   noise: (noise) => noise && `Estimated standard deviation of the noise: ${readable(noise.sigma)} file units.`,
   kind: (kind) => KINDS[kind],
-  spikes: (count) => count && `${count} ${count === 1 ? 'spike was' : 'spikes were'} moved back to the surrounding surface.`,
+  spikes: (count) => count && `${count} ${count === 1 ? 'spike was' : 'spikes were'} moved back to the surface.`,
   uneven_vertices: (count) => count && `${count} vertices among uneven faces were not moved.`,
   displacement_limit: (length) => `No vertex moved by more than ${readable(length)} file units.`,
   unchanged: (is) => is && 'There was nothing to repair.',
