@@ -156,10 +156,12 @@ fn at_defaults(tables: Tables<'_>) -> Result<Judgement> {
         let values = values! { known: known.on()?, largest: known.largest() };
         bullets.push(TEXT.say("automatic on known", values)?);
     }
+    // One sentence: the benchmark has most of the cases.
+    let mut finding = bullets.join(" ");
     if cases > 0 {
-        bullets.push(TEXT.say("automatic on the benchmark", values! { worse, cases })?);
+        finding = TEXT.say("automatic on the benchmark", values! { worse, cases })?;
+        bullets.push(finding.clone());
     }
-    let finding = bullets.join(" ");
     let reason = format!("- {}", bullets.join("\n\n- "));
     let mut judgement = TEXT
         .judgement("automatic", verdict, values! { reason, finding })?
