@@ -1,9 +1,10 @@
 //! Curvature at the vertices of a triangle mesh.
 //!
 //! Positive where the surface bends away from its outward normal: on a sphere of radius r, H = κ₁ =
-//! κ₂ = 1/r and K = 1/r². Values are pointwise unless their name contains `integrated`. A vertex
-//! where a value cannot be computed is flagged in a [`VertexStatus`] and its value is zero; NaN is
-//! never a result. Boundary vertices have a separate flag, because their values are one-sided.
+//! κ₂ = 1/r and K = 1/r². Values are pointwise unless their documentation calls them integrated. A
+//! vertex where a value cannot be computed is flagged in a [`VertexStatus`] and its value is zero;
+//! NaN is never a result. Boundary vertices have a separate flag, because their values are
+//! one-sided.
 //!
 //! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that disagree
 //! with the rest of their part count as flipped. On parts that cannot be oriented, such as a Möbius
