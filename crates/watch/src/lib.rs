@@ -24,6 +24,8 @@
 //! Call [`Watch::run`] on a thread outside the pool, or in a pool that does no other work: while a
 //! thread of a shared pool waits, it may take over work of others and would cancel it as well.
 
+pub mod parallel;
+
 use std::cell::RefCell;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
