@@ -1,9 +1,9 @@
 //! Functions of a Laplacian by Chebyshev series.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::map;
 
 use crate::clenshaw::Clenshaw;
-use crate::graph_laplacian::{GraphLaplacian, Padded};
+use crate::graph_laplacian::GraphLaplacian;
 use crate::parallel::CHUNK;
 
 /// `g(μ) = Σ cₖ Tₖ(1 + 2μ/b)` on the interval `[−b, 0]`.
@@ -93,25 +93,19 @@ impl ChebyshevSeries {
         assert_eq!(given.len(), laplacian.len(), "one point for each row");
         let Some(&origin) = given.first() else { return Vec::new() };
         let centre = mean(laplacian, given).unwrap_or(origin);
-        let x: Vec<Padded> = given
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2], 0.0])
-            .collect();
+        let x = map(given.len(), CHUNK, |i| {
+            let p = given[i];
+            [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2], 0.0]
+        });
         let (coefficients, scale) = (&self.coefficients[..], 2.0 / self.bound);
         let last = Clenshaw { laplacian, x: &x, coefficients, scale }.evaluate();
-        last.par_iter()
-            .zip(given)
-            .enumerate()
-            .with_min_len(CHUNK)
-            .map(|(i, (p, &x))| {
-                if laplacian.is_fixed(i) {
-                    x
-                } else {
-                    [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]]
-                }
-            })
-            .collect()
+        map(given.len(), CHUNK, |i| {
+            if laplacian.is_fixed(i) {
+                return given[i];
+            }
+            let p = last[i];
+            [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]]
+        })
     }
 }
 
@@ -144,22 +138,18 @@ fn transform(values: &[f64]) -> Vec<f64> {
     // cos kθⱼ = cos(π k(2j + 1)/(2n)) repeats after 4n quarter steps.
     let cosines: Vec<f64> =
         (0..4 * n).map(|q| libm::cos(std::f64::consts::PI * q as f64 / (2 * n) as f64)).collect();
-    (0..n)
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|k| {
-            let mut q = k;
-            let mut sum = 0.0;
-            for v in values {
-                sum += v * cosines[q];
-                q += 2 * k;
-                while q >= 4 * n {
-                    q -= 4 * n;
-                }
+    map(n, 64, |k| {
+        let mut q = k;
+        let mut sum = 0.0;
+        for v in values {
+            sum += v * cosines[q];
+            q += 2 * k;
+            while q >= 4 * n {
+                q -= 4 * n;
             }
-            sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
-        })
-        .collect()
+        }
+        sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
+    })
 }
 
 /// Drops trailing coefficients while their absolute sum stays below the tolerance.

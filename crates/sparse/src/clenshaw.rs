@@ -14,7 +14,7 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
+use fairing_watch::parallel::for_each;
 
 use crate::graph_laplacian::{Factors, GraphLaplacian, Padded};
 use crate::parallel::{self, Kernel};
@@ -109,11 +109,11 @@ impl Batch<'_> {
         let parts = (n / smallest).clamp(1, rayon::current_num_threads().max(1));
         let ends: Vec<usize> = (0..=parts).map(|q| q * n / parts).collect();
         let middles: Vec<usize> = ends.windows(2).map(|e| (e[0] + e[1]) / 2).collect();
-        split(last, before, &ends).into_par_iter().for_each(|piece| {
+        for_each(split(last, before, &ends), |piece| {
             parallel::dispatch(Trapezoid { batch: self, piece, n });
         });
         let between = split(last, before, &middles);
-        between.into_par_iter().zip(&ends[1..]).for_each(|(piece, &end)| {
+        for_each(between.into_iter().zip(&ends[1..]), |(piece, &end)| {
             parallel::dispatch(Triangle { batch: self, piece, end });
         });
     }

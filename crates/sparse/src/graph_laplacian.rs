@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
+use fairing_watch::parallel::{for_chunks, map, map_ranges};
 
 use crate::matrix::SparseMatrix;
 use crate::order::larger;
@@ -224,7 +224,8 @@ impl GraphLaplacian {
         let farthest = |i: usize| {
             self.neighbors(i).iter().map(|&j| (j as usize).abs_diff(i)).max().unwrap_or(0)
         };
-        (0..self.len()).into_par_iter().with_min_len(CHUNK).map(farthest).max().unwrap_or(0)
+        let farthest = map_ranges(self.len(), CHUNK, |rows| rows.map(farthest).max());
+        farthest.into_iter().flatten().max().unwrap_or(0)
     }
 
     /// Gershgorin's upper bound on the eigenvalues of `−L`; 2 for unit weights.
@@ -240,10 +241,9 @@ impl GraphLaplacian {
 
     /// Calls `f(i, neighbours of i, yᵢ)` for every row, in parallel.
     pub fn visit<T: Send>(&self, y: &mut [T], f: impl Fn(usize, &[u32], &mut T) + Sync) {
-        y.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, y)| {
+        for_chunks(y, CHUNK, |start, y| {
             for (k, y) in y.iter_mut().enumerate() {
-                let i = chunk * CHUNK + k;
-                f(i, self.neighbors(i), y);
+                f(start + k, self.neighbors(start + k), y);
             }
         });
     }
@@ -385,5 +385,5 @@ fn check(offsets: &[u32], columns: &[u32]) {
 
 /// The reciprocal of each number.
 fn reciprocals(x: &[f64]) -> Vec<f64> {
-    x.par_iter().with_min_len(CHUNK).map(|x| 1.0 / x).collect()
+    map(x.len(), CHUNK, |i| 1.0 / x[i])
 }

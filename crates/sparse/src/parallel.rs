@@ -4,7 +4,7 @@
 //! Rows are divided into fixed chunks of [`CHUNK`]. Each chunk is summed from front to back, and
 //! the sums of the chunks are added in order, whichever thread computed them.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::{for_each, map_ranges};
 
 /// Rows of one chunk: large enough to hide scheduling, small enough to balance.
 pub const CHUNK: usize = 4096;
@@ -84,8 +84,10 @@ where
     if y.len() <= CHUNK {
         return chunk(0, y);
     }
-    let chunks = y.par_chunks_mut(CHUNK).enumerate();
-    total(&chunks.map(|(c, y)| chunk(c * CHUNK, y)).collect::<Vec<S>>())
+    let mut sums = vec![S::ZERO; y.len().div_ceil(CHUNK)];
+    let chunks = y.chunks_mut(CHUNK).zip(&mut sums).enumerate();
+    for_each(chunks, |(c, (y, sum))| *sum = chunk(c * CHUNK, y));
+    total(&sums)
 }
 
 /// Calls `f(i, aᵢ, bᵢ)` for every row of two arrays of equal length.
@@ -104,23 +106,23 @@ where
     if a.len() <= CHUNK {
         return chunk(0, a, b);
     }
-    let chunks = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate();
-    chunks.for_each(|(c, (a, b))| chunk(c * CHUNK, a, b));
+    let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK)).enumerate();
+    for_each(chunks, |(c, (a, b))| chunk(c * CHUNK, a, b));
 }
 
 /// `Σᵢ f(i)` over `count` rows.
 pub fn sum<S: Sum>(count: usize, f: impl Fn(usize) -> S + Sync) -> S {
-    let chunk = |c: usize| {
+    let chunk = |range: std::ops::Range<usize>| {
         let mut sum = S::ZERO;
-        for i in c * CHUNK..count.min((c + 1) * CHUNK) {
+        for i in range {
             sum.add(f(i));
         }
         sum
     };
     if count <= CHUNK {
-        return chunk(0);
+        return chunk(0..count);
     }
-    total(&(0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Vec<S>>())
+    total(&map_ranges(count, CHUNK, chunk))
 }
 
 fn total<S: Sum>(parts: &[S]) -> S {

@@ -3,8 +3,8 @@
 //! Rows are cut into fixed chunks that threads share; a row is always summed in the order of its
 //! columns, so that results do not depend on the number of threads.
 
+use fairing_watch::parallel::for_chunks;
 use ndarray::{Array2, ArrayView2};
-use rayon::prelude::*;
 
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -113,9 +113,9 @@ fn each_chunk<T: Send>(y: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
     if y.len() <= CHUNK {
         return y.iter_mut().enumerate().for_each(|(i, y)| work(i, y));
     }
-    y.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, y)| {
+    for_chunks(y, CHUNK, |start, y| {
         for (i, y) in y.iter_mut().enumerate() {
-            work(chunk * CHUNK + i, y);
+            work(start + i, y);
         }
     });
 }

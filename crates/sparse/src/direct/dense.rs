@@ -3,7 +3,7 @@
 //!
 //! Matrices are stored by columns; of symmetric ones only the lower triangle counts.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::for_each;
 
 use crate::direct::backend::{self, NEGLIGIBLE, Stop, stops};
 use crate::parallel::{self, Kernel, fused};
@@ -103,7 +103,7 @@ fn subtract(
         );
     };
     if rows * rows * width > PARALLEL {
-        target.par_chunks_mut(TILE * height).enumerate().for_each(tile);
+        for_each(target.chunks_mut(TILE * height).enumerate(), tile);
     } else {
         target.chunks_mut(TILE * height).enumerate().for_each(tile);
     }

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
+use fairing_watch::parallel::map;
 
 use crate::matrix::Rows;
 
@@ -91,20 +91,16 @@ impl Part {
             from = farthest(&nearest);
         }
         for _ in 0..ROUNDS {
-            let smooth: Vec<Place> = (0..n)
-                .into_par_iter()
-                .map(|node| {
-                    let around = self.around(node);
-                    let mut sum = self.places[node];
-                    for &other in around {
-                        for axis in 0..AXES {
-                            sum[axis] += self.places[other as usize][axis];
-                        }
+            self.places = map(n, 1024, |node| {
+                let around = self.around(node);
+                let mut sum = self.places[node];
+                for &other in around {
+                    for axis in 0..AXES {
+                        sum[axis] += self.places[other as usize][axis];
                     }
-                    sum.map(|s| s / (around.len() + 1) as f32)
-                })
-                .collect();
-            self.places = smooth;
+                }
+                sum.map(|s| s / (around.len() + 1) as f32)
+            });
         }
     }
 

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
+use fairing_watch::parallel::{for_chunks, for_each};
 use ndarray::{ArrayViewMut2, Axis};
-use rayon::prelude::*;
 
 use crate::direct::supernodes::Supernodes;
 use crate::direct::sweeps;
-use crate::parallel::CHUNK;
+use crate::parallel::{CHUNK, update};
 
 /// Right-hand sides of a block that are solved in one sweep.
 pub(crate) const LANES: usize = 8;
@@ -53,16 +53,17 @@ impl Factor {
     ) {
         assert_eq!(b.len(), self.rows(), "length of the right-hand side");
         let Analysis { order, inverse, .. } = &*self.analysis;
-        let ordered = order.par_iter().with_min_len(CHUNK);
-        let mut x: Vec<[f64; B]> = ordered.map(|&row| read(&b[row as usize])).collect();
+        let mut x = vec![[0.0; B]; b.len()];
+        update(&mut x, |k, _| (read(&b[order[k] as usize]), ()));
         self.solve_ordered(&mut x);
-        let rows = b.par_iter_mut().zip(inverse).with_min_len(CHUNK);
-        rows.for_each(|(b, &k)| write(b, &x[k as usize]));
+        for_chunks(b, CHUNK, |start, b| {
+            b.iter_mut().zip(&inverse[start..]).for_each(|(b, &k)| write(b, &x[k as usize]));
+        });
     }
 
     pub(crate) fn solve_block(&self, mut b: ArrayViewMut2<'_, f64>) {
         assert_eq!(b.nrows(), self.rows(), "rows of the right-hand side");
-        b.axis_chunks_iter_mut(Axis(1), LANES).into_par_iter().for_each(|mut b| {
+        for_each(b.axis_chunks_iter_mut(Axis(1), LANES), |mut b| {
             let width = b.ncols();
             let order = &self.analysis.order;
             let mut x = vec![[0.0; LANES]; order.len()];

@@ -8,7 +8,7 @@
 //!
 //! [duff1983]: https://doi.org/10.1145/356044.356047
 
-use rayon::prelude::*;
+use fairing_watch::parallel::map_each;
 
 use crate::direct::backend::Stop;
 use crate::direct::dense::Panel;
@@ -52,10 +52,9 @@ pub(crate) fn factorize(
     for s in nodes_of_top {
         top.push((s, take(nodes.values(s))));
     }
-    let done = parts.into_par_iter().map(|(part, values)| Ok((part, matrix.part(part, values)?)));
-    let done: Vec<Result<(&Part, Vec<f64>), Stop>> = done.collect();
+    let done = map_each(parts, |(part, values)| Ok((part, matrix.part(part, values)?)));
     // The first failure in the order of elimination.
-    let done: Result<Vec<_>, Stop> = done.into_iter().collect();
+    let done: Result<Vec<(&Part, Vec<f64>)>, Stop> = done.into_iter().collect();
     let mut done = done?.into_iter().peekable();
     let mut work = Work::default();
     for (s, values) in top {

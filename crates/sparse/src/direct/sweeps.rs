@@ -9,7 +9,7 @@
 //! the top are added in the order of the subtrees. The subtrees do not depend on the number of
 //! threads, and neither does the result.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::map_each;
 
 use crate::direct::supernodes::Supernodes;
 use crate::parallel::{self, Kernel, fused};
@@ -22,18 +22,14 @@ pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut 
     assert_eq!(nodes.columns(), x.len(), "one row for each column");
     let factor = FactorView { nodes, values };
     let shared = &*x;
-    let locals: Vec<Vec<[f64; B]>> = nodes
-        .parts()
-        .par_iter()
-        .map(|part| {
-            let mut local = vec![[0.0; B]; part.columns.len() + part.outside.len()];
-            local[..part.columns.len()].copy_from_slice(&shared[part.columns.clone()]);
-            let offset = part.columns.start;
-            let nodes = part.nodes.clone();
-            parallel::dispatch(Forward { factor, nodes, offset, x: &mut local });
-            local
-        })
-        .collect();
+    let locals: Vec<Vec<[f64; B]>> = map_each(nodes.parts(), |part| {
+        let mut local = vec![[0.0; B]; part.columns.len() + part.outside.len()];
+        local[..part.columns.len()].copy_from_slice(&shared[part.columns.clone()]);
+        let offset = part.columns.start;
+        let nodes = part.nodes.clone();
+        parallel::dispatch(Forward { factor, nodes, offset, x: &mut local });
+        local
+    });
     for (part, local) in nodes.parts().iter().zip(&locals) {
         for (&row, add) in part.outside.iter().zip(&local[part.columns.len()..]) {
             let target = &mut x[row as usize];
@@ -46,20 +42,15 @@ pub(crate) fn solve<const B: usize>(nodes: &Supernodes, values: &[f64], x: &mut 
     parallel::dispatch(Forward { factor, nodes: top.clone(), offset: 0, x: &mut *x });
     parallel::dispatch(Backward { factor, nodes: top.rev(), offset: 0, x: &mut *x });
     let shared = &*x;
-    let locals: Vec<Vec<[f64; B]>> = nodes
-        .parts()
-        .par_iter()
-        .zip(locals)
-        .map(|(part, mut local)| {
-            for (&row, outside) in part.outside.iter().zip(&mut local[part.columns.len()..]) {
-                *outside = shared[row as usize];
-            }
-            let offset = part.columns.start;
-            let nodes = part.nodes.clone().rev();
-            parallel::dispatch(Backward { factor, nodes, offset, x: &mut local });
-            local
-        })
-        .collect();
+    let locals = map_each(nodes.parts().iter().zip(locals), |(part, mut local)| {
+        for (&row, outside) in part.outside.iter().zip(&mut local[part.columns.len()..]) {
+            *outside = shared[row as usize];
+        }
+        let offset = part.columns.start;
+        let nodes = part.nodes.clone().rev();
+        parallel::dispatch(Backward { factor, nodes, offset, x: &mut local });
+        local
+    });
     for (part, local) in nodes.parts().iter().zip(&locals) {
         x[part.columns.clone()].copy_from_slice(&local[..part.columns.len()]);
     }

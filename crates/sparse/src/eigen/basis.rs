@@ -5,7 +5,7 @@
 //! orthogonalisation runs at memory bandwidth. Partial sums belong to fixed segments of rows and
 //! are added in order.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::{for_chunks, for_each, map_ranges};
 
 use crate::direct::factor::LANES;
 use crate::parallel::{self, Kernel, fused};
@@ -34,17 +34,13 @@ pub(crate) fn weighted_products(
     weights: Option<&[f64]>,
     w: &[[f64; LANES]],
 ) -> Vec<Small> {
-    let parts: Vec<Vec<Small>> = w
-        .par_chunks(SEGMENT)
-        .enumerate()
-        .map(|(segment, w)| {
-            let mut sums = vec![[[0.0; LANES]; LANES]; basis.len()];
-            let from = segment * SEGMENT;
-            let weights = weights.map(|d| &d[from..from + w.len()]);
-            parallel::dispatch(Products { basis, from, weights, w, sums: &mut sums });
-            sums
-        })
-        .collect();
+    let parts: Vec<Vec<Small>> = map_ranges(w.len(), SEGMENT, |rows| {
+        let mut sums = vec![[[0.0; LANES]; LANES]; basis.len()];
+        let from = rows.start;
+        let weights = weights.map(|d| &d[rows.clone()]);
+        parallel::dispatch(Products { basis, from, weights, w: &w[rows], sums: &mut sums });
+        sums
+    });
     let mut total = vec![[[0.0; LANES]; LANES]; basis.len()];
     for part in parts {
         for (total, part) in
@@ -58,18 +54,16 @@ pub(crate) fn weighted_products(
 
 /// The diagonal of Wᵀ D W.
 pub(crate) fn weighted_squares(weights: &[f64], w: &[[f64; LANES]]) -> [f64; LANES] {
-    let parts: Vec<[f64; LANES]> = w
-        .par_chunks(SEGMENT)
-        .zip(weights.par_chunks(SEGMENT))
-        .map(|(w, weights)| parallel::dispatch(Squares { weights, w }))
-        .collect();
+    let parts: Vec<[f64; LANES]> = map_ranges(w.len(), SEGMENT, |rows| {
+        parallel::dispatch(Squares { weights: &weights[rows.clone()], w: &w[rows] })
+    });
     parts.iter().fold([0.0; LANES], |sum, part| std::array::from_fn(|j| sum[j] + part[j]))
 }
 
 /// W ← W − Σ U C over the blocks U of the basis.
 pub(crate) fn subtract(basis: &[Block], coefficients: &[Small], w: &mut [[f64; LANES]]) {
-    w.par_chunks_mut(SEGMENT).enumerate().for_each(|(segment, w)| {
-        parallel::dispatch(Subtract { basis, coefficients, from: segment * SEGMENT, w });
+    for_chunks(w, SEGMENT, |from, w| {
+        parallel::dispatch(Subtract { basis, coefficients, from, w });
     });
 }
 
@@ -95,7 +89,7 @@ pub(crate) fn combine(
             segments[k].push(piece);
         }
     }
-    segments.into_par_iter().enumerate().for_each(|(k, pieces)| {
+    for_each(segments.into_iter().enumerate(), |(k, pieces)| {
         for (w, coefficients) in pieces.into_iter().zip(&coefficients) {
             parallel::dispatch(Subtract { basis, coefficients, from: k * SHARED, w });
         }
@@ -105,7 +99,7 @@ pub(crate) fn combine(
 
 /// W ← W C.
 pub(crate) fn transform(w: &mut [[f64; LANES]], c: &Small) {
-    w.par_chunks_mut(SEGMENT).for_each(|w| {
+    for_chunks(w, SEGMENT, |_, w| {
         parallel::dispatch(Transform { w, c });
     });
 }

@@ -1,6 +1,6 @@
 //! The problem in dimensionless form and in the order of its factor.
 
-use rayon::prelude::*;
+use fairing_watch::parallel::for_chunks;
 
 use crate::components;
 use crate::direct::cholesky::{Cholesky, SymbolicCholesky};
@@ -256,18 +256,20 @@ impl Problem {
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let rows = Rows::new(&self.stiffness);
         let mut r = self.mass_times(w);
-        r.par_iter_mut().with_min_len(ROWS_OF_TASK).enumerate().for_each(|(i, r)| {
-            let (own, excess) = (w[i], self.excess[i]);
-            let mut sum = own.map(|own| excess * own);
-            let (columns, values) = rows.row(i);
-            for (&j, &v) in columns.iter().zip(values).filter(|(j, _)| **j as usize != i) {
-                let other = &w[j as usize];
-                for lane in 0..LANES {
-                    sum[lane] += v * (other[lane] - own[lane]);
+        for_chunks(&mut r, ROWS_OF_TASK, |start, r| {
+            for (i, r) in (start..).zip(r) {
+                let (own, excess) = (w[i], self.excess[i]);
+                let mut sum = own.map(|own| excess * own);
+                let (columns, values) = rows.row(i);
+                for (&j, &v) in columns.iter().zip(values).filter(|(j, _)| **j as usize != i) {
+                    let other = &w[j as usize];
+                    for lane in 0..LANES {
+                        sum[lane] += v * (other[lane] - own[lane]);
+                    }
                 }
-            }
-            for lane in 0..LANES {
-                r[lane] = sum[lane] - lambda[lane] * r[lane];
+                for lane in 0..LANES {
+                    r[lane] = sum[lane] - lambda[lane] * r[lane];
+                }
             }
         });
         r

@@ -4,6 +4,9 @@ use crate::graph_laplacian::GraphLaplacian;
 use crate::graph_system::parts::Parts;
 use crate::matrix::SparseMatrix;
 
+/// The rows of a right-hand side. Not a type parameter: solvers would be compiled for each.
+pub(super) type RightSide<'a, const N: usize> = &'a (dyn Fn(usize) -> [f64; N] + Sync);
+
 /// `(D + tS) x = b`, with some entries of x given.
 #[derive(Debug, Clone)]
 pub(super) struct Equations {
@@ -68,11 +71,11 @@ impl Equations {
     }
 
     /// The equations of a right-hand side b about the origins of the parts.
-    pub(super) fn centred<'a, const N: usize, R: Fn(usize) -> [f64; N] + Sync>(
+    pub(super) fn centred<'a, const N: usize>(
         &'a self,
-        right: R,
+        right: RightSide<'a, N>,
         x: &'a [[f64; N]],
-    ) -> Centred<'a, N, R> {
+    ) -> Centred<'a, N> {
         // Sums are formed about a value of the part, so that values far from zero lose no digits.
         let mut origins = vec![[0.0; N]; self.parts.count()];
         for (part, &first) in self.parts.firsts().iter().enumerate() {
@@ -126,9 +129,9 @@ impl Equations {
 /// b. Other parts have an origin between `b/D` and the given values next to them. Digits are thus
 /// lost neither far from zero nor in the mean of a nearly singular system. If D is zero on a
 /// floating part, the right-hand side is reduced to one of sum zero.
-pub(super) struct Centred<'a, const N: usize, R> {
+pub(super) struct Centred<'a, const N: usize> {
     pub(super) equations: &'a Equations,
-    right: R,
+    right: RightSide<'a, N>,
     x: &'a [[f64; N]],
     pub(super) origins: Vec<[f64; N]>,
     /// The sum of `b − Dc` over each part: for a floating part that of b if D is zero, otherwise
@@ -136,7 +139,7 @@ pub(super) struct Centred<'a, const N: usize, R> {
     excess: Vec<[f64; N]>,
 }
 
-impl<const N: usize, R: Fn(usize) -> [f64; N] + Sync> Centred<'_, N, R> {
+impl<const N: usize> Centred<'_, N> {
     /// Weights and given values of the given neighbours of row `i`.
     fn given(&self, i: usize) -> impl Iterator<Item = (f64, [f64; N])> {
         let Equations { laplacian, parts, .. } = self.equations;

@@ -1,11 +1,11 @@
 //! A factorised system, solved with iterative refinement.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::conjugate_gradients::worst_row;
 use crate::direct::{Cholesky, Elimination, Ordering, SymbolicCholesky};
 use crate::error::SparseError;
-use crate::graph_system::equations::{Centred, Equations};
+use crate::graph_system::equations::{Centred, Equations, RightSide};
 use crate::graph_system::gauge::{Columns, Sides, measure};
 use crate::order::larger;
 use crate::parallel::{CHUNK, update};
@@ -201,9 +201,9 @@ impl Factored {
 
     /// The solution y about the origins of the parts, zero in the rows of given values, and its
     /// residual; 0 if all digits are asked for.
-    pub(super) fn solve<const N: usize, R: Fn(usize) -> [f64; N] + Sync>(
+    pub(super) fn solve<const N: usize>(
         &self,
-        centred: &Centred<'_, N, R>,
+        centred: &Centred<'_, N>,
         goal: Goal,
     ) -> Result<(Vec<[f64; N]>, f64), SparseError> {
         match goal {
@@ -217,23 +217,22 @@ impl Factored {
     }
 
     /// The solution of a residual within the tolerance.
-    fn solve_to<const N: usize, R: Fn(usize) -> [f64; N] + Sync>(
+    fn solve_to<const N: usize>(
         &self,
-        centred: &Centred<'_, N, R>,
+        centred: &Centred<'_, N>,
         tolerance: f64,
     ) -> Result<(Vec<[f64; N]>, f64), SparseError> {
         let (equations, right) = (centred.equations, |i: usize| centred.right(i));
         let parts = &equations.parts;
         let sides = Sides::new(centred);
-        let rows = (0..equations.len()).into_par_iter().with_min_len(CHUNK);
-        let mut r: Vec<[f64; N]> = rows.map(right).collect();
+        let mut r = parallel::map(equations.len(), CHUNK, right);
         let mut y = vec![[0.0; N]; r.len()];
         let mut solved = 0;
         loop {
             self.apply_inverse(&mut r);
             update(&mut y, |i, y| (std::array::from_fn(|k| y[k] + r[i][k]), ()));
             self.centre(equations, &mut y);
-            residual(equations, &right, |_| 0.0, &y, &mut r);
+            residual(equations, &right, &|_| 0.0, &y, &mut r);
             solved += 1;
             // The terms of a residual, and so their rounding errors, are of the size of y.
             let reach = parts.largest(|_, i| y[i].map(f64::abs));
@@ -277,7 +276,7 @@ impl Factored {
     fn refined<const N: usize>(
         &self,
         equations: &Equations,
-        right: &(impl Fn(usize) -> [f64; N] + Sync),
+        right: RightSide<'_, N>,
     ) -> Result<Vec<[f64; N]>, SparseError> {
         let (n, count) = (equations.len(), equations.parts.count());
         let mut r: Vec<[f64; N]> = (0..n).map(right).collect();
@@ -289,7 +288,7 @@ impl Factored {
                 break;
             }
             if solved > 0 {
-                residual(equations, right, |i| self.grounded(equations, i), &x, &mut r);
+                residual(equations, right, &|i| self.grounded(equations, i), &x, &mut r);
             }
             if solved == 1 && self.is_close(equations, &r, &size) {
                 break;
@@ -363,8 +362,8 @@ fn ground(equations: &Equations) -> Vec<(u32, f64)> {
 /// `b − (D + ground + tS) x`, zero in the rows of given values.
 fn residual<const N: usize>(
     equations: &Equations,
-    right: &(impl Fn(usize) -> [f64; N] + Sync),
-    ground: impl Fn(usize) -> f64 + Sync,
+    right: RightSide<'_, N>,
+    ground: &(dyn Fn(usize) -> f64 + Sync),
     x: &[[f64; N]],
     r: &mut [[f64; N]],
 ) {

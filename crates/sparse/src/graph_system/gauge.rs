@@ -19,7 +19,7 @@ pub(super) struct Sides<const N: usize> {
 }
 
 impl<const N: usize> Sides<N> {
-    pub(super) fn new<R: Fn(usize) -> [f64; N] + Sync>(centred: &Centred<'_, N, R>) -> Self {
+    pub(super) fn new(centred: &Centred<'_, N>) -> Self {
         let Equations { laplacian, step, added, parts, .. } = centred.equations;
         let squares = parts.sums(|_, i| {
             let term = if parts.is_given(i) {

@@ -1,14 +1,12 @@
 //! A system solved by conjugate gradients, up to four columns together.
 
-use rayon::prelude::*;
-
 use crate::conjugate_gradients::{CgSystem, CgWorkspace, descend, worst_row};
 use crate::error::SparseError;
 use crate::graph_laplacian::Padded;
 use crate::graph_system::equations::{Centred, Equations};
 use crate::graph_system::gauge::{Columns, Sides, reciprocal};
 use crate::order::larger;
-use crate::parallel::{CHUNK, update};
+use crate::parallel::update;
 
 /// Largest number of restarts after the measured residual turned out larger than that of the
 /// recurrence.
@@ -25,14 +23,17 @@ pub(super) struct Scratch {
     pub(super) inverse: Vec<f64>,
 }
 
+/// The projection of a change of a row.
+pub(super) type Projection<'a, const N: usize> = &'a (dyn Fn(usize, [f64; N]) -> [f64; N] + Sync);
+
 /// A system in units of the scales of residuals, in which the right-hand side of each column of
 /// each part has norm one: each is a linear system of its own, so scaling does not change it.
-struct Iteration<'a, const N: usize, R, P> {
-    centred: &'a Centred<'a, N, R>,
+struct Iteration<'a, const N: usize> {
+    centred: &'a Centred<'a, N>,
     /// The reciprocal scales.
     units: Vec<[f64; N]>,
     /// A projection of the changes of each row, which couples columns.
-    project: Option<P>,
+    project: Option<Projection<'a, N>>,
     inverse: &'a [f64],
 }
 
@@ -41,21 +42,18 @@ struct Iteration<'a, const N: usize, R, P> {
 /// Without a projection, when a factorisation can take over, it ends at a quarter of the limit if
 /// the residual, extrapolated, would take more than twice the limit. Returns the iterations taken
 /// and the residual; the solution about the origins is left in `scratch`.
-pub(super) fn iterate<const N: usize, R, P>(
-    centred: &Centred<'_, N, R>,
-    project: Option<P>,
+pub(super) fn iterate<const N: usize>(
+    centred: &Centred<'_, N>,
+    project: Option<Projection<'_, N>>,
     (tolerance, limit): (f64, usize),
     scratch: &mut Scratch,
-) -> Result<(usize, f64), SparseError>
-where
-    R: Fn(usize) -> [f64; N] + Sync,
-    P: Fn(usize, [f64; N]) -> [f64; N] + Sync,
-{
+) -> Result<(usize, f64), SparseError> {
     let Equations { laplacian, step, added, parts, .. } = centred.equations;
     let Scratch { y, cg, inverse } = scratch;
     if inverse.is_empty() {
-        let pairs = added.par_iter().zip(laplacian.diagonal()).with_min_len(CHUNK);
-        pairs.map(|(d, s)| reciprocal(d + step * s)).collect_into_vec(inverse);
+        inverse.resize(added.len(), 0.0);
+        let diagonal = laplacian.diagonal();
+        update(inverse, |i, _| (reciprocal(added[i] + step * diagonal[i]), ()));
     }
     let reach = parts.largest(|_, i| {
         let (guess, far) = (centred.guess(i), centred.reach(i));
@@ -94,11 +92,7 @@ where
     Err(SparseError::NotConverged { iterations, residual, row: worst_row(&cg.r) })
 }
 
-impl<const N: usize, R, P> Iteration<'_, N, R, P>
-where
-    R: Fn(usize) -> [f64; N] + Sync,
-    P: Fn(usize, [f64; N]) -> [f64; N] + Sync,
-{
+impl<const N: usize> Iteration<'_, N> {
     #[inline(always)]
     fn project(&self, i: usize, d: Padded) -> Padded {
         self.project.as_ref().map_or(d, |project| padded(project(i, columns(d))))
@@ -137,11 +131,7 @@ where
     }
 }
 
-impl<const N: usize, R, P> CgSystem<4> for Iteration<'_, N, R, P>
-where
-    R: Fn(usize) -> [f64; N] + Sync,
-    P: Fn(usize, [f64; N]) -> [f64; N] + Sync,
-{
+impl<const N: usize> CgSystem<4> for Iteration<'_, N> {
     fn multiply(&self, p: &[Padded], q: &mut [Padded]) -> Padded {
         let Equations { laplacian, step, added, .. } = self.centred.equations;
         laplacian.sweep_summing(p, q, |i, s, p, _| {

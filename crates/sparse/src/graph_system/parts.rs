@@ -1,6 +1,8 @@
 //! Connected parts of a graph without the rows whose values are given.
 
-use rayon::prelude::*;
+use std::ops::Range;
+
+use fairing_watch::parallel::map_ranges;
 
 use crate::components::components;
 use crate::graph_laplacian::GraphLaplacian;
@@ -70,7 +72,7 @@ impl Parts {
             sum.add(term);
             sum
         };
-        self.gather(S::ZERO, add, f)
+        self.gather(S::ZERO, add, &f)
     }
 
     /// The largest value of `f(part, row)` in each part and column, at least zero.
@@ -79,20 +81,20 @@ impl Parts {
         f: impl Fn(usize, usize) -> [f64; N] + Sync,
     ) -> Vec<[f64; N]> {
         let join = |a: [f64; N], b: [f64; N]| std::array::from_fn(|k| larger(a[k], b[k]));
-        self.gather([0.0; N], join, f)
+        self.gather([0.0; N], join, &f)
     }
 
     fn gather<T: Copy + Send + Sync>(
         &self,
         zero: T,
-        join: impl Fn(T, T) -> T + Sync,
-        f: impl Fn(usize, usize) -> T + Sync,
+        join: fn(T, T) -> T,
+        f: &(dyn Fn(usize, usize) -> T + Sync),
     ) -> Vec<T> {
-        let gather = |(chunk, labels): (usize, &[u32])| {
+        let gather = |rows: Range<usize>| {
             let mut all = vec![zero; self.count()];
-            let mut i = chunk * CHUNK;
+            let mut i = rows.start;
             // Consecutive rows are mostly of one part, whose value stays in registers.
-            for run in labels.chunk_by(|a, b| a == b) {
+            for run in self.label[rows].chunk_by(|a, b| a == b) {
                 let part = run[0] as usize;
                 all[part] = (i..i + run.len()).fold(all[part], |all, i| join(all, f(part, i)));
                 i += run.len();
@@ -100,9 +102,9 @@ impl Parts {
             all
         };
         if self.count() > FEW {
-            return gather((0, &self.label));
+            return gather(0..self.label.len());
         }
-        let chunks: Vec<Vec<T>> = self.label.par_chunks(CHUNK).enumerate().map(gather).collect();
+        let chunks = map_ranges(self.label.len(), CHUNK, gather);
         let mut total = vec![zero; self.count()];
         for chunk in chunks {
             for (total, value) in total.iter_mut().zip(chunk) {

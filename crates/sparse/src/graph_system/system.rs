@@ -5,9 +5,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use crate::direct::{SymbolicCholesky, Workload};
 use crate::error::SparseError;
 use crate::graph_laplacian::GraphLaplacian;
-use crate::graph_system::equations::Equations;
+use crate::graph_system::equations::{Equations, RightSide};
 use crate::graph_system::factored::{Factored, Goal};
-use crate::graph_system::iteration::{Scratch, columns, iterate};
+use crate::graph_system::iteration::{Projection, Scratch, columns, iterate};
 use crate::graph_system::parts::Parts;
 use crate::matrix::SparseMatrix;
 use crate::order::larger;
@@ -211,8 +211,7 @@ impl GraphSystem {
     ) -> Result<Solved, SparseError> {
         assert_eq!(x.len(), self.equations.len(), "sizes of the operands");
         if !self.factorises && self.factored.get().is_none() {
-            let free = None::<fn(usize, [f64; N]) -> [f64; N]>;
-            let solved = self.iterate(&right, x, free, self.patience);
+            let solved = self.iterate(&right, x, None, self.patience);
             if solved.is_ok() {
                 return solved;
             }
@@ -248,14 +247,14 @@ impl GraphSystem {
         project: impl Fn(usize, [f64; N]) -> [f64; N] + Sync,
     ) -> Result<Solved, SparseError> {
         assert_eq!(x.len(), self.equations.len(), "sizes of the operands");
-        self.iterate(&right, x, Some(project), MAX_ITERATIONS)
+        self.iterate(&right, x, Some(&project), MAX_ITERATIONS)
     }
 
     fn iterate<const N: usize>(
         &self,
-        right: &(impl Fn(usize) -> [f64; N] + Sync),
+        right: RightSide<'_, N>,
         x: &mut [[f64; N]],
-        project: Option<impl Fn(usize, [f64; N]) -> [f64; N] + Sync>,
+        project: Option<Projection<'_, N>>,
         limit: usize,
     ) -> Result<Solved, SparseError> {
         let tolerance = match self.goal {
