@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 /// The range of the extent of a mesh in mesh units: the longest side of the bounding box, unless it
 /// is zero.
@@ -121,7 +121,8 @@ fn extent(positions: &[[f64; 3]]) -> f64 {
         high: std::array::from_fn(|k| a.high[k].max(b.high[k])),
         finite: a.finite && b.finite,
     };
-    let Some(bounds) = positions.par_chunks(BLOCK).map(Bounds::new).reduce_with(around) else {
+    let blocks = parallel::map_each(positions.chunks(BLOCK), Bounds::new);
+    let Some(bounds) = blocks.into_iter().reduce(around) else {
         return 0.0;
     };
     if !bounds.finite {
@@ -185,8 +186,9 @@ pub(crate) fn check_faces(faces: &[[u32; 3]], count: usize) -> Result<(), BuildE
         Ok(())
     };
     // The first error of all, as on one thread.
-    let failed = (0..faces.len()).into_par_iter().with_min_len(BLOCK).map(check);
-    failed.find_first(Result::is_err).unwrap_or(Ok(()))
+    parallel::map_ranges(faces.len(), BLOCK, |mut faces| faces.try_for_each(check))
+        .into_iter()
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Topology, defects and measures of a mesh, to inspect before a computation.
 
+use fairing_watch::parallel;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -112,11 +113,7 @@ impl Diagnosis {
     /// Examines a mesh. Linear, apart from two sorts.
     pub fn new(mesh: &TriMesh) -> Self {
         let topology = mesh.topology();
-        let thinness: Vec<f64> = (0..mesh.face_count())
-            .into_par_iter()
-            .with_min_len(4096)
-            .map(|f| height_ratio(mesh, f))
-            .collect();
+        let thinness: Vec<f64> = parallel::map(mesh.face_count(), 4096, |f| height_ratio(mesh, f));
         let thin = |range: std::ops::Range<f64>| {
             Tally::new(
                 (0..mesh.face_count() as u32).filter(|&f| range.contains(&thinness[f as usize])),
@@ -202,16 +199,12 @@ fn height_ratio(mesh: &TriMesh, f: usize) -> f64 {
 }
 
 fn duplicate_faces(mesh: &TriMesh) -> Tally {
-    let mut keys: Vec<([u32; 3], u32)> = mesh
-        .faces()
-        .par_iter()
-        .enumerate()
-        .map(|(f, &face)| {
-            let mut corners = face;
-            corners.sort_unstable();
-            (corners, f as u32)
-        })
-        .collect();
+    let mut keys: Vec<([u32; 3], u32)> = parallel::map(mesh.faces().len(), 64, |f| {
+        let face = mesh.faces()[f];
+        let mut corners = face;
+        corners.sort_unstable();
+        (corners, f as u32)
+    });
     keys.par_sort_unstable();
     Tally::new(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 /// The corners at each vertex, in compressed rows.
 ///
@@ -71,7 +71,7 @@ impl Incidence {
     /// Returns true if no two faces run from a vertex to the same neighbour.
     pub(crate) fn leaves_each_side_once(&self) -> bool {
         let all = self.all_sides();
-        (0..self.offsets.len() - 1).into_par_iter().with_min_len(4096).all(|v| {
+        let is_clean = |v: usize| {
             let sides = &all[self.range(v as u32)];
             if sides.len() > 16 {
                 let mut next: Vec<u32> = sides.iter().map(|side| side[0]).collect();
@@ -79,7 +79,9 @@ impl Incidence {
                 return next.windows(2).all(|w| w[0] != w[1]);
             }
             (1..sides.len()).all(|i| sides[..i].iter().all(|side| side[0] != sides[i][0]))
-        })
+        };
+        let count = self.offsets.len() - 1;
+        parallel::all(count, 4096, is_clean)
     }
 
     fn all_sides(&self) -> &[[u32; 2]] {

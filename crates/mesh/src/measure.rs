@@ -1,7 +1,7 @@
 //! Area, volume and the lengths of edges.
 
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::trimesh::TriMesh;
 
@@ -63,14 +63,11 @@ impl TriMesh {
     pub fn edge_lengths(&self) -> Vec<f64> {
         let positions = self.positions();
         let edges = self.topology().edges();
-        edges
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(|ends| {
-                let [a, b] = ends.map(|v| DVec3::from(positions[v as usize]));
-                a.distance(b)
-            })
-            .collect()
+        parallel::map(edges.len(), CHUNK, |i| {
+            let ends = &edges[i];
+            let [a, b] = ends.map(|v| DVec3::from(positions[v as usize]));
+            a.distance(b)
+        })
     }
 
     /// Sums a quantity over the faces, in chunks of fixed size.
@@ -86,13 +83,10 @@ impl TriMesh {
     ) -> [f64; N] {
         let count = self.face_count();
         let add = |sum: [f64; N], more: [f64; N]| std::array::from_fn(|i| sum[i] + more[i]);
-        let parts: Vec<[f64; N]> = (0..count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|i| {
-                let faces = i * CHUNK..((i + 1) * CHUNK).min(count);
-                faces.map(&quantities).fold([0.0; N], add)
-            })
-            .collect();
+        let parts: Vec<[f64; N]> = parallel::map(count.div_ceil(CHUNK), 1, |i| {
+            let faces = i * CHUNK..((i + 1) * CHUNK).min(count);
+            faces.map(&quantities).fold([0.0; N], add)
+        });
         parts.into_iter().fold([0.0; N], add)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use fairing_watch::parallel;
 use rayon::prelude::*;
 
 use crate::trimesh::TriMesh;
@@ -40,8 +41,8 @@ impl Welder {
 
 /// For each vertex the first one at exactly its position; −0 equals 0.
 pub(crate) fn places_of(positions: &[[f64; 3]]) -> Vec<u32> {
-    let key = |(v, p): (usize, &[f64; 3])| (p.map(|x| (x + 0.0).to_bits()), v as u32);
-    let mut keys: Vec<([u64; 3], u32)> = positions.par_iter().enumerate().map(key).collect();
+    let key = |v: usize| (positions[v].map(|x| (x + 0.0).to_bits()), v as u32);
+    let mut keys: Vec<([u64; 3], u32)> = parallel::map(positions.len(), 4096, key);
     keys.par_sort_unstable();
     let mut first = vec![0; positions.len()];
     for group in keys.chunk_by(|x, y| x.0 == y.0) {

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::error::WriteProblem;
 use crate::io::fields::{Attributes, Columns};
@@ -134,18 +134,21 @@ pub(crate) fn columns<'a>(
 pub(crate) fn rows(count: usize, columns: &[Column<'_>]) -> Vec<u8> {
     let stride: usize = columns.iter().map(|column| column.size()).sum();
     let mut bytes = vec![0; stride * count];
-    let each_row = bytes.par_chunks_exact_mut(stride).with_min_len(1 << 13).enumerate();
-    match columns {
-        [only] => each_row.for_each(|(v, row)| only.put(v, row)),
-        _ => each_row.for_each(|(v, row)| {
-            let mut rest = row;
-            for column in columns {
-                let (bytes, after) = rest.split_at_mut(column.size());
-                column.put(v, bytes);
-                rest = after;
-            }
-        }),
-    }
+    const PIECE: usize = 1 << 13;
+    parallel::for_chunks(&mut bytes, PIECE * stride, |start, piece| {
+        let rows = (start / stride..).zip(piece.chunks_exact_mut(stride));
+        match columns {
+            [only] => rows.for_each(|(v, row)| only.put(v, row)),
+            _ => rows.for_each(|(v, row)| {
+                let mut rest = row;
+                for column in columns {
+                    let (bytes, after) = rest.split_at_mut(column.size());
+                    column.put(v, bytes);
+                    rest = after;
+                }
+            }),
+        }
+    });
     bytes
 }
 
@@ -159,7 +162,7 @@ pub(crate) fn width_of(
     width: FloatWidth,
 ) -> Result<NumberType, WriteProblem> {
     let holds =
-        |number: NumberType| values.par_iter().with_min_len(1 << 14).all(|&x| number.holds(x));
+        |number: NumberType| parallel::all(values.len(), 1 << 14, |i| number.holds(values[i]));
     if let Some(kept) = kept
         && (kept.is_integer() || width == FloatWidth::Lossless)
         && holds(kept)

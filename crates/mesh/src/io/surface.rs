@@ -1,7 +1,7 @@
 //! Meshes to encode, with the fields of polygons as those of triangles, and the text lines of their
 //! elements.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::number::put_integer;
 use crate::io::{FaceFields, VertexFields};
@@ -71,15 +71,12 @@ pub(crate) fn lines(
     line: impl Fn(usize, &mut Vec<u8>) + Sync,
 ) -> Vec<Vec<u8>> {
     const PIECE: usize = 1 << 13;
-    (0..count.div_ceil(PIECE))
-        .into_par_iter()
-        .map(|piece| {
-            let range = piece * PIECE..count.min((piece + 1) * PIECE);
-            let mut text = Vec::with_capacity(range.len() * per_line);
-            range.for_each(|k| line(k, &mut text));
-            text
-        })
-        .collect()
+    parallel::map(count.div_ceil(PIECE), 1, |piece| {
+        let range = piece * PIECE..count.min((piece + 1) * PIECE);
+        let mut text = Vec::with_capacity(range.len() * per_line);
+        range.for_each(|k| line(k, &mut text));
+        text
+    })
 }
 
 /// [`PolygonMesh::triangulate`] with the fields of the mesh: each triangle gets the values of

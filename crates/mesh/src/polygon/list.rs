@@ -1,6 +1,6 @@
 //! Lists of faces under construction.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 /// Faces of any size. A list of triangles only is stored without offsets, so the
 /// usual file needs no conversion.
@@ -122,17 +122,13 @@ impl Polygons {
     fn repeating(&self) -> Vec<usize> {
         match self {
             // Usually there is none, and a pass that only tests is the fastest.
-            Self::Triangles(faces) => faces
-                .par_chunks(1 << 15)
-                .enumerate()
-                .flat_map_iter(|(chunk, part)| {
-                    let bad = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
-                    part.iter()
-                        .enumerate()
-                        .filter(move |(_, face)| bad(face))
-                        .map(move |(f, _)| (chunk << 15) + f)
-                })
-                .collect(),
+            Self::Triangles(faces) => {
+                let bad = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+                let found = parallel::map_ranges(faces.len(), 1 << 15, |range| {
+                    range.filter(|&f| bad(&faces[f])).collect::<Vec<usize>>()
+                });
+                found.concat()
+            }
             Self::Mixed { .. } => {
                 (0..self.len()).filter(|&f| repeats_a_corner(self.face(f))).collect()
             }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use fairing_watch::parallel;
 use rayon::prelude::*;
 
 /// Faces with the same corners.
@@ -26,12 +27,12 @@ struct Edge {
 /// dropped whole, because its copies have nothing between them. A wall without an end keeps both
 /// copies if they face each other: it separates two closed parts.
 pub(super) fn without_copies(faces: &[[u32; 3]]) -> Vec<bool> {
-    let key = |(f, &face): (usize, &[u32; 3])| {
-        let mut corners = face;
+    let key = |f: usize| {
+        let mut corners = faces[f];
         corners.sort_unstable();
         (corners, f as u32)
     };
-    let mut keys: Vec<([u32; 3], u32)> = faces.par_iter().enumerate().map(key).collect();
+    let mut keys: Vec<([u32; 3], u32)> = parallel::map(faces.len(), 4096, key);
     keys.par_sort_unstable();
     let groups: Vec<&[([u32; 3], u32)]> = keys.chunk_by(|x, y| x.0 == y.0).collect();
     let mut keep = vec![true; faces.len()];

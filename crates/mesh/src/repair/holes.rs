@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use fairing_watch as watch;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::patch::Patch;
 use super::{OpenHole, OpenReason, RepairStep, Work};
@@ -219,7 +219,7 @@ fn triangulation(
             }
             best
         };
-        let row = (0..n - length).into_par_iter().with_min_len(16).map(best).collect();
+        let row = parallel::map(n - length, 16, best);
         rows.push(row);
     }
     let area = rows[n - 1][0].0;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use fairing_watch as watch;
+use fairing_watch::parallel;
 use rayon::prelude::*;
 
 use super::copies::without_copies;
@@ -21,9 +22,12 @@ impl Work {
     pub(super) fn sew(&mut self, options: &RepairOptions) {
         let places = self.places(options);
         let place = |v: u32| places[v as usize];
-        let joined = self.mesh.faces().par_iter().map(|face| face.map(place));
-        let joined: Vec<[u32; 3]> = joined.collect();
-        let whole = joined.par_iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+        let faces = self.mesh.faces();
+        let joined = parallel::map(faces.len(), 4096, |f| faces[f].map(place));
+        let whole = parallel::map(joined.len(), 4096, |i| {
+            let [a, b, c] = joined[i];
+            a != b && b != c && c != a
+        });
         let mut keep: Vec<bool> = whole;
         let mut corners = super::kept(self.mesh.faces(), &keep);
         let mut joined = super::kept(&joined, &keep);

@@ -1,7 +1,7 @@
 //! Parts with their normals outwards.
 
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::{RepairOptions, Work};
 use crate::trimesh::TriMesh;
@@ -28,20 +28,17 @@ impl Work {
             return;
         }
         let mesh = &self.mesh;
-        let around: Vec<Vec<usize>> = parts
-            .par_iter()
-            .enumerate()
-            .map(|(i, inner)| {
-                let point = DVec3::from(mesh.triangle(inner.faces[0] as usize)[0]);
-                let holds = |(j, outer): &(usize, &Part)| {
-                    *j != i
-                        && outer.is_closed
-                        && outer.contains_box_of(inner)
-                        && outer.winds_around(mesh, point)
-                };
-                parts.iter().enumerate().filter(holds).map(|(j, _)| j).collect()
-            })
-            .collect();
+        let around: Vec<Vec<usize>> = parallel::map(parts.len(), 1, |i| {
+            let inner = &parts[i];
+            let point = DVec3::from(mesh.triangle(inner.faces[0] as usize)[0]);
+            let holds = |(j, outer): &(usize, &Part)| {
+                *j != i
+                    && outer.is_closed
+                    && outer.contains_box_of(inner)
+                    && outer.winds_around(mesh, point)
+            };
+            parts.iter().enumerate().filter(holds).map(|(j, _)| j).collect()
+        });
         // Of the parts around another, the outermost has no part around itself.
         let outermost = |i: usize| around[i].iter().copied().find(|&j| around[j].is_empty());
         let is_inside_out = |i: usize| parts[i].is_closed && parts[i].volume < 0.0;

@@ -1,6 +1,6 @@
 //! Edges, the faces of edges and the neighbours of vertices.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::incidence::Incidence;
 
@@ -36,13 +36,10 @@ impl EdgeTables {
     /// Collects and sorts, for each vertex in turn, the other ends of its edges, which
     /// gives the edges in lexicographic order.
     pub(super) fn new(vertex_count: usize, faces: &[[u32; 3]], incidence: &Incidence) -> Self {
-        let pieces: Vec<Piece> = (0..vertex_count.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|i| {
-                let end = ((i + 1) * CHUNK).min(vertex_count);
-                Piece::new((i * CHUNK) as u32..end as u32, incidence)
-            })
-            .collect();
+        let pieces: Vec<Piece> = parallel::map(vertex_count.div_ceil(CHUNK), 1, |i| {
+            let end = ((i + 1) * CHUNK).min(vertex_count);
+            Piece::new((i * CHUNK) as u32..end as u32, incidence)
+        });
         let mut tables = Self {
             edges: pieces.iter().flat_map(|p| &p.edges).copied().collect(),
             lower_offsets: offsets(pieces.iter().flat_map(|p| &p.lower_counts)),
@@ -52,11 +49,10 @@ impl EdgeTables {
             neighbor_offsets: offsets(pieces.iter().flat_map(|p| &p.neighbor_counts)),
             neighbors: pieces.iter().flat_map(|p| &p.neighbors).copied().collect(),
         };
-        tables.face_edges = faces
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(|&[a, b, c]| [tables.find(b, c), tables.find(c, a), tables.find(a, b)])
-            .collect();
+        tables.face_edges = parallel::map(faces.len(), CHUNK, |i| {
+            let [a, b, c] = faces[i];
+            [tables.find(b, c), tables.find(c, a), tables.find(a, b)]
+        });
         tables
     }
 

@@ -1,6 +1,6 @@
 //! Ordered one-rings, and the sheets of faces at a vertex.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use super::Topology;
 use super::components::find;
@@ -127,11 +127,11 @@ impl Topology {
     }
 
     pub(super) fn find_nonmanifold_vertices(&self) -> Vec<u32> {
-        (0..self.vertex_count as u32)
-            .into_par_iter()
-            .with_min_len(1024)
-            .map_init(Vec::new, |labels, v| (self.label_sheets(v, labels) > 1).then_some(v))
-            .flatten_iter()
-            .collect()
+        let found = parallel::map_ranges(self.vertex_count, 4096, |vertices| {
+            let mut labels = vec![];
+            let vertices = vertices.map(|v| v as u32);
+            vertices.filter(|&v| self.label_sheets(v, &mut labels) > 1).collect::<Vec<u32>>()
+        });
+        found.concat()
     }
 }

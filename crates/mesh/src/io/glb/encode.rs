@@ -1,8 +1,8 @@
 //! Encoding of GLB: one mesh in one node, its numbers one array after the other.
 
+use fairing_watch::parallel;
 use std::collections::HashSet;
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::io::columns::width_of;
@@ -51,7 +51,7 @@ impl Arrays {
         bounds: bool,
     ) -> Result<usize, WriteProblem> {
         width_of(NAME, name, values, None, FloatWidth::Single)?;
-        if !values.par_iter().with_min_len(1 << 14).all(|&x| NumberType::F32.holds(x)) {
+        if !parallel::all(values.len(), 1 << 14, |i| NumberType::F32.holds(values[i])) {
             self.rounded.push(name.to_owned());
         }
         let mut bytes = vec![0; 4 * values.len()];

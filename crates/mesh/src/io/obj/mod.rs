@@ -19,7 +19,7 @@ mod statements;
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::WriteOptions;
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
@@ -64,7 +64,7 @@ fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, 
         watch.advance(1);
         Chunk::parse(&text, range, broken)
     };
-    let mut chunks: Vec<Chunk> = ranges.into_par_iter().map(parse).collect();
+    let mut chunks: Vec<Chunk> = parallel::map_each(ranges, parse);
     if let Some(k) = chunks.iter().position(|chunk| chunk.fault.is_some())
         && let Some((offset, mut problem)) = chunks[k].fault.take()
     {

@@ -1,6 +1,6 @@
 //! Encoding of PLY, binary (little endian) or text.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::columns::{
     Column, INDICES, TEXTURE, columns, field_names, put_text, rows, vertex_names, width_of,
@@ -165,10 +165,10 @@ fn face_rows(all: Faces<'_>, columns: &FaceColumns<'_>) -> Vec<Vec<u8>> {
         && columns.texture.is_none()
     {
         let mut bytes = vec![0; 13 * faces.len()];
-        bytes.par_chunks_exact_mut(13).with_min_len(1 << 13).zip(faces).for_each(|(row, face)| {
+        parallel::for_rows(bytes.as_chunks_mut::<13>().0, |f, row| {
             row[0] = 3;
             let words = row[1..].as_chunks_mut().0;
-            words.iter_mut().zip(face).for_each(|(word, v)| *word = v.to_le_bytes());
+            words.iter_mut().zip(faces[f]).for_each(|(word, v)| *word = v.to_le_bytes());
         });
         return vec![bytes];
     }

@@ -1,6 +1,6 @@
 //! The body of a PLY file as a source of numbers, text or binary.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::NumberType;
 use crate::io::error::{Fault, ReadProblem, unexpected};
@@ -62,8 +62,8 @@ impl Rows<'_> {
     ) -> Vec<T> {
         const PIECE: usize = 1 << 13;
         let mut values = vec![T::default(); self.bytes.len() / self.stride];
-        let pieces = self.bytes.par_chunks(PIECE * self.stride);
-        values.par_chunks_mut(PIECE).zip(pieces).for_each(|(values, rows)| {
+        let pieces = self.bytes.chunks(PIECE * self.stride);
+        parallel::for_each(values.chunks_mut(PIECE).zip(pieces), |(values, rows)| {
             let rows = rows.chunks_exact(self.stride);
             values.iter_mut().zip(rows).for_each(|(value, row)| *value = decode(row));
         });

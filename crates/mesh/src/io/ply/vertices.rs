@@ -1,6 +1,6 @@
 //! The vertices of a PLY file: positions, fields, colours.
 
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::io::NumberType;
 use crate::io::columns::Layout;
@@ -64,7 +64,10 @@ fn from_rows(
         .collect();
     let positions = scalars.triples_of_rows(rows, &offsets, position);
     let bad = |p: &[f64; 3]| check_finite(p, 0, broken).is_err();
-    if let Some(vertex) = positions.par_iter().with_min_len(1 << 13).position_first(bad) {
+    let first = parallel::map_ranges(positions.len(), 1 << 14, |rows| {
+        rows.clone().find(|&v| bad(&positions[v]))
+    });
+    if let Some(vertex) = first.into_iter().flatten().next() {
         let at = rows.start + vertex * rows.stride;
         check_finite(&positions[vertex], vertex, broken)
             .map_err(|problem| Fault::at_byte(at, problem))?;
