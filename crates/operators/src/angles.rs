@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::corners::FaceCorners;
 use crate::error::OperatorError;
@@ -21,7 +21,7 @@ pub fn corner_angles(mesh: &TriMesh) -> Vec<[f64; 3]> {
         let corners = FaceCorners::new(mesh.triangle(f));
         [0, 1, 2].map(|k| corners.turn(k)).map(|(x, y)| libm::atan2(y, x))
     };
-    (0..mesh.face_count()).into_par_iter().with_min_len(4096).map(of_face).collect()
+    parallel::map(mesh.face_count(), 4096, of_face)
 }
 
 /// The dihedral angle of each edge of the topology, between the normals of its two faces.
@@ -50,7 +50,7 @@ pub fn dihedral_angles(mesh: &TriMesh) -> Vec<Option<f64>> {
         let defined = sine != 0.0 || cosine != 0.0;
         defined.then(|| libm::atan2(sine, cosine))
     };
-    (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(angle).collect()
+    parallel::map(topology.edges().len(), 4096, angle)
 }
 
 /// The edges with a [dihedral angle](dihedral_angles) of at least `angle` in absolute value,

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::error::OperatorError;
 use crate::fan::Fan;
@@ -144,7 +144,7 @@ impl<'a> SideSums<'a> {
             }
             Ok(())
         };
-        let filled: Vec<_> = blocks.into_par_iter().map(fill).collect();
+        let filled = parallel::map_each(blocks, fill);
         let filled: Result<(), usize> = filled.into_iter().collect();
         filled.map_err(|v| OperatorError::Connectivity { vertex: v as u32 })?;
         Ok(matrix)
@@ -207,7 +207,7 @@ where
     F: Fn(u32, &Fan, usize, &mut [f64]) + Sync,
 {
     let blocks: Vec<Block> =
-        row_ranges(n).into_par_iter().map(|rows| Block::new(rows, &gather, &fill)).collect();
+        parallel::map_each(row_ranges(n), |rows| Block::new(rows, &gather, &fill));
     Block::join(n, blocks)
 }
 

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::{MIN_HEIGHT_RATIO, OperatorError};
 
@@ -104,19 +104,14 @@ pub(crate) fn map_sound_faces<T: Send>(
     let positions = mesh.positions();
     // The first one, whichever thread finds another before.
     let first = AtomicUsize::new(usize::MAX);
-    let all = mesh
-        .faces()
-        .par_iter()
-        .with_min_len(FACES_PER_TASK)
-        .enumerate()
-        .map(|(f, face)| {
-            let corners = FaceCorners::new(face.map(|v| positions[v as usize]));
-            if corners.is_degenerate() {
-                first.fetch_min(f, Ordering::Relaxed);
-            }
-            of(corners)
-        })
-        .collect();
+    let all = parallel::map(mesh.faces().len(), FACES_PER_TASK, |f| {
+        let face = &mesh.faces()[f];
+        let corners = FaceCorners::new(face.map(|v| positions[v as usize]));
+        if corners.is_degenerate() {
+            first.fetch_min(f, Ordering::Relaxed);
+        }
+        of(corners)
+    });
     match first.into_inner() {
         usize::MAX => Ok(all),
         face => Err(degenerate(face, &FaceCorners::new(mesh.triangle(face)))),

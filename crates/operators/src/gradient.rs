@@ -13,8 +13,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::corners::map_sound_faces;
 use crate::error::OperatorError;
@@ -95,11 +95,12 @@ pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 pub fn face_gradients(mesh: &TriMesh, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     assert_eq!(values.len(), mesh.vertex_count(), "one value per vertex");
     let hats = hat_gradients(mesh)?;
-    let on_face = |(face, hat): (&[u32; 3], &[DVec3; 3])| {
+    let on_face = |f: usize| {
+        let (face, hat) = (mesh.faces()[f], &hats[f]);
         let sum: DVec3 = (0..3).map(|k| values[face[k] as usize] * hat[k]).sum();
         sum.to_array()
     };
-    Ok(mesh.faces().par_iter().zip(&hats).map(on_face).collect())
+    Ok(parallel::map(mesh.face_count(), 4096, on_face))
 }
 
 /// The gradients of the three hat functions of each face.
@@ -114,7 +115,7 @@ fn hat_gradients(mesh: &TriMesh) -> Result<Vec<[DVec3; 3]>, OperatorError> {
         let hat = |from: DVec3, to: DVec3| unit.cross(to - from) * (1.0 / length);
         [hat(b, c), hat(c, a), hat(a, b)]
     };
-    Ok((0..mesh.face_count()).into_par_iter().map(hats).collect())
+    Ok(parallel::map(mesh.face_count(), 64, hats))
 }
 
 /// The corners in ascending order of their vertices.

@@ -1,8 +1,8 @@
 //! Normals of faces and vertices.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::corners::FaceCorners;
 
@@ -46,11 +46,7 @@ fairing_parameters::serde_by_name!(NormalWeight);
 #[doc(alias = "per_face_normals")]
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     let mesh = &*mesh.oriented();
-    (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| face_normal(mesh, f).to_array())
-        .collect()
+    parallel::map(mesh.face_count(), 4096, |f| face_normal(mesh, f).to_array())
 }
 
 /// The unit normal of each vertex, weighted by the angles of faces; the zero vector where
@@ -71,14 +67,10 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
     let mesh = &*mesh.oriented();
     let has_two_sides = mesh.one_sided_faces().is_empty();
-    let vectors: Vec<DVec3> = (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| match weight {
-            NormalWeight::Area | NormalWeight::Sphere => mesh.area_vector(f).into(),
-            NormalWeight::Angle | NormalWeight::Uniform => face_normal(mesh, f),
-        })
-        .collect();
+    let vectors: Vec<DVec3> = parallel::map(mesh.face_count(), 4096, |f| match weight {
+        NormalWeight::Area | NormalWeight::Sphere => mesh.area_vector(f).into(),
+        NormalWeight::Angle | NormalWeight::Uniform => face_normal(mesh, f),
+    });
     let incidence = mesh.incidence();
     let at_vertex = |v: u32| {
         let corners = incidence.corners(v);
@@ -106,7 +98,7 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
             .sum();
         sum.normalize_or_zero().to_array()
     };
-    (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(4096).map(at_vertex).collect()
+    parallel::map(mesh.vertex_count(), 4096, |v| at_vertex(v as u32))
 }
 
 fn face_normal(mesh: &TriMesh, f: usize) -> DVec3 {
@@ -131,7 +123,7 @@ pub(crate) fn smoothed_normals(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<DVec
                 (smooth[v] + sum).try_normalize().unwrap_or(smooth[v])
             }
         };
-        smooth = (0..smooth.len()).into_par_iter().with_min_len(1024).map(mean).collect();
+        smooth = parallel::map(smooth.len(), 1024, mean);
     }
     smooth
 }

@@ -18,8 +18,8 @@
 
 use fairing_mesh::PolygonMesh;
 use fairing_sparse::SparseMatrix;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::assembly::sum_entries;
 use crate::corners::FaceCorners;
@@ -56,7 +56,7 @@ pub struct PolygonLaplacian {
 /// [bunge2020]: https://doi.org/10.1111/cgf.13931
 pub fn polygon_laplacian(mesh: &PolygonMesh) -> Result<PolygonLaplacian, OperatorError> {
     let local: Vec<Option<Local>> =
-        (0..mesh.polygon_count()).into_par_iter().map(|f| Local::new(&corners(mesh, f))).collect();
+        parallel::map(mesh.polygon_count(), 64, |f| Local::new(&corners(mesh, f)));
     let (mut stiffness, mut mass) = (vec![], vec![]);
     for (f, local) in local.iter().enumerate() {
         let polygon = mesh.polygon(f);

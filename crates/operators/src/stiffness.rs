@@ -13,7 +13,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::assembly::{Diagonal, SideSums, assemble};
 use crate::corners::{FaceCorners, degenerate};
@@ -135,11 +135,7 @@ pub(crate) fn degrees(mesh: &TriMesh) -> Vec<f64> {
         fan.gather(incidence.sides(v).iter().copied());
         fan.neighbors.len() as f64
     };
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(2048)
-        .map_init(Fan::default, degree)
-        .collect()
+    parallel::map_with(mesh.vertex_count(), 2048, Fan::default, |fan, v| degree(fan, v as u32))
 }
 
 #[cfg(test)]

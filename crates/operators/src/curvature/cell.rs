@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::corners::FaceCorners;
 use crate::fan::Fan;
@@ -101,11 +101,8 @@ pub(crate) fn map_cells<T: Send>(
         cell.angles = turns.sum();
         of(&cell)
     };
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(VERTICES_PER_TASK)
-        .map_init(Fan::default, gather)
-        .collect()
+    let at = |fan: &mut Fan, v: usize| gather(fan, v as u32);
+    parallel::map_with(mesh.vertex_count(), VERTICES_PER_TASK, Fan::default, at)
 }
 
 /// A sum of angles between 0 and π.

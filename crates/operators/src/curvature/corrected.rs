@@ -20,8 +20,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::ball::BallExplorer;
 use super::field::{AtVertex, CurvatureField};
@@ -163,8 +163,7 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
         }
         CorrectedMeasures::from_triangle(mesh.triangle(f), u)
     };
-    let measures: Vec<CorrectedMeasures> =
-        (0..mesh.face_count()).into_par_iter().with_min_len(4096).map(of_face).collect();
+    let measures: Vec<CorrectedMeasures> = parallel::map(mesh.face_count(), 4096, of_face);
     let at_vertex = |explorer: &mut BallExplorer, v: u32| {
         let corners = mesh.incidence().corners(v);
         if corners.is_empty() {

@@ -17,8 +17,8 @@
 use std::convert::Infallible;
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::field::{AtVertex, CurvatureField, boundary_flags};
 use super::oriented::on_oriented;
@@ -64,11 +64,8 @@ pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> Curv
 
 fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
     let normals = weighted_vertex_normals(mesh, options.normals);
-    let tensors: Vec<Option<FaceTensor>> = (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| face_tensor(mesh, &normals, f))
-        .collect();
+    let tensors: Vec<Option<FaceTensor>> =
+        parallel::map(mesh.face_count(), 4096, |f| face_tensor(mesh, &normals, f));
     let at_vertex = |v: u32| {
         let corners = mesh.incidence().corners(v);
         if corners.is_empty() {
@@ -98,11 +95,10 @@ fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
         Ok(AtVertex::from_form(form, frame, normal))
     };
     let boundary = boundary_flags(mesh);
-    let found = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(1024)
-        .map(|v| (at_vertex(v), boundary[v as usize]))
-        .collect();
+    let found = parallel::map(mesh.vertex_count(), 1024, |v| {
+        let v = v as u32;
+        (at_vertex(v), boundary[v as usize])
+    });
     CurvatureField::collect(found, true)
 }
 

@@ -1,8 +1,8 @@
 //! The result of every estimator, and principal curvatures from mean and Gaussian curvature.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::status::{Undefined, VertexStatus};
 use crate::fan::Fan;
@@ -174,17 +174,14 @@ impl CurvatureField {
         let topology = mesh.topology();
         let watch = fairing_watch::current();
         watch.stage("vertices", mesh.vertex_count() as u64);
-        let found = (0..mesh.vertex_count() as u32)
-            .into_par_iter()
-            .with_min_len(1024)
-            .map_init(W::default, |work, v| {
-                if v.is_multiple_of(REPORT) {
-                    watch.advance(REPORT.into());
-                }
-                watch.check();
-                settled(at_vertex(work, v), topology.is_boundary_vertex(v))
-            })
-            .collect();
+        let found = parallel::map_with(mesh.vertex_count(), 1024, W::default, |work, v| {
+            let v = v as u32;
+            if v.is_multiple_of(REPORT) {
+                watch.advance(REPORT.into());
+            }
+            watch.check();
+            settled(at_vertex(work, v), topology.is_boundary_vertex(v))
+        });
         Self::split(found, true)
     }
 
@@ -194,12 +191,13 @@ impl CurvatureField {
         found: Vec<(Result<AtVertex, Undefined>, bool)>,
         with_directions: bool,
     ) -> Self {
-        Self::split(found.into_par_iter().map(|(at, b)| settled(at, b)).collect(), with_directions)
+        Self::split(found.into_iter().map(|(at, b)| settled(at, b)).collect(), with_directions)
     }
 
     fn split(found: Vec<Settled>, with_directions: bool) -> Self {
-        let number = |of: fn(&AtVertex) -> f64| found.par_iter().map(|(at, ..)| of(at)).collect();
-        let direction = |k: usize| found.par_iter().map(|(at, ..)| at.directions[k]).collect();
+        let number =
+            |of: fn(&AtVertex) -> f64| parallel::map(found.len(), 4096, |i| of(&found[i].0));
+        let direction = |k: usize| parallel::map(found.len(), 4096, |i| found[i].0.directions[k]);
         Self {
             kappa1: number(|at| at.values[0]),
             kappa2: number(|at| at.values[1]),
@@ -225,11 +223,8 @@ pub(crate) fn boundary_flags(mesh: &TriMesh) -> Vec<bool> {
         fan.gather(incidence.sides(v).iter().copied());
         fan.has_boundary_edge()
     };
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map_init(Fan::default, on_boundary)
-        .collect()
+    let at = |fan: &mut Fan, v: usize| on_boundary(fan, v as u32);
+    parallel::map_with(mesh.vertex_count(), 4096, Fan::default, at)
 }
 
 /// κ₁ ≥ κ₂ with κ₁ + κ₂ = 2H and κ₁ κ₂ = K.

@@ -15,8 +15,8 @@
 //! [desbrun2008]: https://doi.org/10.1007/978-3-7643-8621-4_16
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
@@ -56,11 +56,7 @@ pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
         let links = Links::new(fan, sides.len());
         (links.defect(turns.sum()), links)
     };
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(2048)
-        .map_init(Fan::default, defect)
-        .collect()
+    parallel::map_with(mesh.vertex_count(), 2048, Fan::default, |fan, v| defect(fan, v as u32))
 }
 
 /// Pointwise Gaussian curvature: the angle defect over the area of the vertex,

@@ -3,8 +3,8 @@
 use std::convert::Infallible;
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
@@ -194,11 +194,8 @@ fn umbrellas(mesh: &TriMesh, divisor: fn(f64, f64) -> f64) -> MeanCurvature {
         let vector = (divisor > 0.0).then(|| sum * (1.0 / divisor));
         AtVertex::new(vector, normal, Links::new(fan, sides.len()))
     };
-    let found: Vec<AtVertex> = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(2048)
-        .map_init(Fan::default, umbrella)
-        .collect();
+    let at = |fan: &mut Fan, v: usize| umbrella(fan, v as u32);
+    let found: Vec<AtVertex> = parallel::map_with(mesh.vertex_count(), 2048, Fan::default, at);
     MeanCurvature::from_vertices(found.into_iter())
 }
 

@@ -15,7 +15,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use super::ball::BallExplorer;
 use super::bending::{BendSum, edge_bending, normal_sum};
@@ -61,11 +61,7 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
     let radii = BallExplorer::radii(mesh, options.radius)?;
     let topology = mesh.topology();
     let bending = edge_bending(mesh);
-    let areas: Vec<f64> = (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| mesh.face_area(f))
-        .collect();
+    let areas: Vec<f64> = parallel::map(mesh.face_count(), 4096, |f| mesh.face_area(f));
     let at_vertex = |explorer: &mut BallExplorer, v: u32| {
         if mesh.incidence().corners(v).is_empty() {
             return Err(Undefined::Isolated);

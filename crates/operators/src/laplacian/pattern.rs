@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::{GraphLaplacian, GraphNumbers};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
 use crate::corners::{FaceCorners, degenerate};
@@ -90,8 +90,7 @@ impl CotangentPattern {
         let n = mesh.vertex_count();
         // Computed here, not by whichever thread comes first.
         mesh.incidence();
-        let chunks: Vec<Rows> =
-            (0..n.div_ceil(ROWS)).into_par_iter().map(|c| rows(mesh, c * ROWS, fixed)).collect();
+        let chunks: Vec<Rows> = parallel::map(n.div_ceil(ROWS), 1, |c| rows(mesh, c * ROWS, fixed));
         let mut offsets = Vec::with_capacity(n + 1);
         let mut columns = Vec::with_capacity(chunks.iter().map(|c| c.columns.len()).sum());
         let mut places = Vec::with_capacity(3 * mesh.face_count());
@@ -170,9 +169,8 @@ impl CotangentPattern {
         mass: &mut [f64],
     ) -> Result<(), OperatorError> {
         let (ends, corners) = (mesh.incidence().offsets(), mesh.incidence().all_corners());
-        mass.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, mass)| {
-            for (k, mass) in mass.iter_mut().enumerate() {
-                let v = chunk * ROWS + k;
+        parallel::for_chunks(mass, ROWS, |start, mass| {
+            for (v, mass) in (start..).zip(mass) {
                 let around = &corners[ends[v] as usize..ends[v + 1] as usize];
                 *mass = around.iter().map(|&c| self.terms[c as usize / 3][3]).sum();
             }
@@ -186,7 +184,8 @@ impl CotangentPattern {
     fn fill_rows(&self, mesh: &TriMesh, weights: &mut [f64], diagonal: &mut [f64]) {
         let (ends, all_corners) = (mesh.incidence().offsets(), mesh.incidence().all_corners());
         let rows = self.by_chunk(weights);
-        rows.into_par_iter().zip(diagonal.par_chunks_mut(ROWS)).enumerate().for_each(
+        parallel::for_each(
+            rows.into_iter().zip(diagonal.chunks_mut(ROWS)).enumerate(),
             |(chunk, (weights, diagonal))| {
                 let first = self.offsets[chunk * ROWS];
                 for (k, diagonal) in diagonal.iter_mut().enumerate() {
@@ -287,7 +286,8 @@ fn face_terms(
         let ([a, b, c], third) = (corners.half_cotangents(), corners.third());
         [a, b, c, third]
     };
-    mesh.faces().par_iter().with_min_len(ROWS).map(of_face).collect_into_vec(terms);
+    terms.resize(mesh.face_count(), [0.0; 4]);
+    parallel::for_rows(terms, |f, terms| *terms = of_face(&mesh.faces()[f]));
     let mut widened = Vec::new();
     if faces != ThinFaces::WidenNearly && !thin.into_inner() {
         return Ok(widened);

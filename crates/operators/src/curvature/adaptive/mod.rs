@@ -65,7 +65,7 @@ mod systems;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use self::candidate::{Candidates, Level, Work};
 use self::combine::{Combined, POWER, combine};
@@ -115,18 +115,14 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
     let topology = mesh.topology();
     let sites = Sites::new(mesh);
     let noise = noise::noise(mesh, &sites, options.noise);
-    let count = mesh.vertex_count() as u32;
-    let all: Vec<Candidates> = (0..count)
-        .into_par_iter()
-        .with_min_len(1024)
-        .map_init(Work::default, |work, v| {
-            if sites.length[v as usize] > 0.0 {
-                Candidates::new(&sites, topology, work, v, noise[v as usize].extent).0
-            } else {
-                Candidates::none()
-            }
-        })
-        .collect();
+    let count = mesh.vertex_count();
+    let all: Vec<Candidates> = parallel::map_with(count, 1024, Work::default, |work, v| {
+        if sites.length[v] > 0.0 {
+            Candidates::new(&sites, topology, work, v as u32, noise[v].extent).0
+        } else {
+            Candidates::none()
+        }
+    });
     let level = |(noise, length): (&Noise, &f64)| Level {
         heights: (noise.heights / length).powi(2),
         measures: (noise.measures / length).powi(2),
@@ -134,15 +130,13 @@ fn estimate(mesh: &TriMesh, options: AdaptiveOptions) -> CurvatureField {
     let levels: Vec<Level> = noise.iter().zip(&sites.length).map(level).collect();
     let bias = risk::squared_bias(topology, &all, &levels, options.noise);
     let coarse = coarse(mesh, &sites, &all, &levels);
-    let at = |v: u32| {
-        if mesh.incidence().corners(v).is_empty() {
+    let at = |v: usize| {
+        if mesh.incidence().corners(v as u32).is_empty() {
             return Err(Undefined::Isolated);
         }
-        let v = v as usize;
         combine(&sites, v, &all[v], &bias[v], levels[v], noise[v].extent, coarse[v])
     };
-    let found: Vec<Result<Combined, Undefined>> =
-        (0..count).into_par_iter().with_min_len(1024).map(at).collect();
+    let found: Vec<Result<Combined, Undefined>> = parallel::map(count, 1024, at);
     combine::field(mesh, &sites, &noise, found)
 }
 

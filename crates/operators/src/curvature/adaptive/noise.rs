@@ -2,8 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::upper_median;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::candidate::{Candidates, GAINS, Work};
 use super::gather::Extent;
@@ -108,11 +108,8 @@ pub(super) fn noise(mesh: &TriMesh, sites: &Sites, kind: NoiseKind) -> Vec<Noise
         seen[c] += 1;
     }
     let of_component = |vertices: &Vec<u32>| {
-        let samples: Vec<Sample> = vertices
-            .par_iter()
-            .with_min_len(256)
-            .map_init(Work::default, |work, &v| Sample::new(mesh, sites, work, v))
-            .collect();
+        let at = |work: &mut Work, i: usize| Sample::new(mesh, sites, work, vertices[i]);
+        let samples: Vec<Sample> = parallel::map_with(vertices.len(), 256, Work::default, at);
         // Small radii do not show the level of correlated noise.
         match kind {
             NoiseKind::Independent => Noise::new(&samples),

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use fairing_mesh::Topology;
-use rayon::prelude::*;
+use fairing_sparse::parallel::update_both;
+use fairing_watch::parallel;
 
 use super::candidate::{COUNT, Candidates, JETS, Level, MEANS, QUANTITIES, RADII, REGRESSIONS};
 use super::kind::NoiseKind;
@@ -39,14 +40,13 @@ pub(super) fn squared_bias(
     for ladder in [JETS, 0..REGRESSIONS, MEANS] {
         floors.fill([0.0; 2]);
         // Nothing is known of the radii that all vertices leave out.
-        let is_known = |k: &usize| all.par_iter().any(|at| at.is_valid(*k));
+        let is_known = |k: &usize| all.iter().any(|at| at.is_valid(*k));
         for k in ladder.clone().skip(1).filter(is_known) {
             let differences = |v: usize| differences(&all[v], ladder.start, k, levels[v]);
             let pooled = pooled(topology, all.len(), differences);
-            let steps = bias.par_iter_mut().zip(&mut floors).zip(&pooled);
-            steps.with_min_len(1024).for_each(|((bias, floor), pooled)| {
+            update_both(&mut bias, &mut floors, |v, bias, floor| {
                 for q in 0..2 {
-                    climb(&mut bias[q], &mut floor[q], pooled, [q, ladder.start, k], noise);
+                    climb(&mut bias[q], &mut floor[q], &pooled[v], [q, ladder.start, k], noise);
                 }
             });
         }
@@ -55,7 +55,8 @@ pub(super) fn squared_bias(
     for family in checked {
         let differences = |v: usize| against_jets(&all[v], &bias[v], family.clone(), levels[v]);
         let against = pooled(topology, all.len(), differences);
-        bias.par_iter_mut().zip(&against).with_min_len(1024).for_each(|(bias, against)| {
+        parallel::for_rows(&mut bias, |v, bias| {
+            let against = &against[v];
             if against[0] >= MIN_PART {
                 for (bias, fields) in bias.iter_mut().zip(against[1..].chunks(OF_QUANTITY)) {
                     for (bias, x) in bias[family.clone()].iter_mut().zip(fields) {
@@ -65,9 +66,9 @@ pub(super) fn squared_bias(
             }
         });
     }
-    bias.par_iter_mut().zip(all).with_min_len(1024).for_each(|(bias, at)| {
+    parallel::for_rows(&mut bias, |v, bias| {
         for bias in bias {
-            for (bias, amplified) in bias.iter_mut().zip(&at.amplified) {
+            for (bias, amplified) in bias.iter_mut().zip(&all[v].amplified) {
                 *bias *= amplified;
             }
         }
@@ -130,11 +131,10 @@ fn pooled(
     count: usize,
     of: impl Fn(usize) -> [f32; FIELDS] + Sync + Send,
 ) -> Vec<[f32; FIELDS]> {
-    let mut fields: Vec<[f32; FIELDS]> =
-        (0..count).into_par_iter().with_min_len(1024).map(of).collect();
+    let mut fields: Vec<[f32; FIELDS]> = parallel::map(count, 1024, of);
     let mut means = fields.clone();
     for _ in 0..ROUNDS {
-        means.par_iter_mut().with_min_len(1024).enumerate().for_each(|(v, mean)| {
+        parallel::for_rows(&mut means, |v, mean| {
             let neighbors = topology.neighbors(v as u32);
             *mean = fields[v];
             for &w in neighbors {

@@ -1,8 +1,8 @@
 //! The vertices as samples of curvature: one-ring densities of corrected measures.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::super::corrected::CorrectedMeasures;
 use crate::normals::{NormalWeight, smoothed_normals, weighted_vertex_normals};
@@ -50,18 +50,14 @@ impl Sites {
         let normals = weighted_vertex_normals(mesh, NormalWeight::Sphere);
         let smooth = smoothed_normals(mesh, &normals);
         let triangle = |f: usize| mesh.triangle(f).map(|p| p.map(|x| x / unit));
-        let measures: Vec<CorrectedMeasures> = (0..mesh.face_count())
-            .into_par_iter()
-            .with_min_len(4096)
-            .map(|f| {
-                let u = mesh.faces()[f].map(|v| normals[v as usize]);
-                if u.contains(&[0.0; 3]) {
-                    CorrectedMeasures::default()
-                } else {
-                    CorrectedMeasures::from_triangle(triangle(f), u)
-                }
-            })
-            .collect();
+        let measures: Vec<CorrectedMeasures> = parallel::map(mesh.face_count(), 4096, |f| {
+            let u = mesh.faces()[f].map(|v| normals[v as usize]);
+            if u.contains(&[0.0; 3]) {
+                CorrectedMeasures::default()
+            } else {
+                CorrectedMeasures::from_triangle(triangle(f), u)
+            }
+        });
         let site = |v: u32| {
             let corners = mesh.incidence().corners(v);
             let (mut sum, mut spread, mut whole) = (CorrectedMeasures::default(), 0.0, 0.0);
@@ -78,8 +74,7 @@ impl Sites {
             let spread = if whole > 0.0 { spread / whole } else { 0.0 };
             (Site::new(smooth[v as usize], &sum, spread), whole / 3.0)
         };
-        let found: Vec<(Site, f64)> =
-            (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(1024).map(site).collect();
+        let found: Vec<(Site, f64)> = parallel::map(mesh.vertex_count(), 1024, |v| site(v as u32));
         let all: Vec<Site> = found.iter().map(|(site, _)| *site).collect();
         let position = |p: &[f64; 3]| DVec3::from(p.map(|x| x / unit));
         let positions: Vec<DVec3> = mesh.positions().iter().map(position).collect();
@@ -118,7 +113,7 @@ fn mean_edges(mesh: &TriMesh, positions: &[DVec3]) -> Vec<f64> {
         let distance = |&w: &u32| positions[v].distance(positions[w as usize]);
         neighbors.iter().map(distance).sum::<f64>() / (neighbors.len() as f64).max(1.0)
     };
-    (0..positions.len()).into_par_iter().with_min_len(1024).map(mean).collect()
+    parallel::map(positions.len(), 1024, mean)
 }
 
 /// The values after [`ROUNDS`] rounds of averaging over each vertex and its neighbours.
@@ -130,7 +125,7 @@ pub(super) fn smoothed(mesh: &TriMesh, mut values: Vec<f64>) -> Vec<f64> {
             let sum: f64 = neighbors.iter().map(|&w| values[w as usize]).sum();
             (values[v] + sum) / (1 + neighbors.len()) as f64
         };
-        values = (0..values.len()).into_par_iter().with_min_len(1024).map(mean).collect();
+        values = parallel::map(values.len(), 1024, mean);
     }
     values
 }
