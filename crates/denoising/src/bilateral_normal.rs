@@ -7,8 +7,8 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance};
@@ -68,13 +68,10 @@ fn filter(input: Masked<'_>, options: &BilateralNormalOptions) -> Result<TriMesh
     fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
         fairing_watch::advance(1);
-        normals = (0..normals.len())
-            .into_par_iter()
-            .map(|f| {
-                let weighted = weights.row(f, &normals).map(|(g, w)| w * normals[g]);
-                weighted.sum::<DVec3>().normalize_or_zero()
-            })
-            .collect();
+        normals = parallel::map(normals.len(), 64, |f| {
+            let weighted = weights.row(f, &normals).map(|(g, w)| w * normals[g]);
+            weighted.sum::<DVec3>().normalize_or_zero()
+        });
     }
     follow_normals(input, &normals, options.vertex_steps)
 }
@@ -154,15 +151,12 @@ fn filter_globally(
             (smooth * (d - spread) + keep * areas[f] * DVec3::from(x[f])).to_array()
         })
     };
-    let diagonal: Vec<f64> = (0..count)
-        .into_par_iter()
-        .map(|f| {
-            let own = rows.forward(f).find(|&(g, _)| g == f).map_or(0.0, |(_, w)| w);
-            let others: f64 =
-                rows.backward(f).filter(|&(g, _)| g != f).map(|(g, w)| areas[g] * w * w).sum();
-            smooth * (areas[f] * (1.0 - own) * (1.0 - own) + others) + keep * areas[f]
-        })
-        .collect();
+    let diagonal: Vec<f64> = parallel::map(count, 64, |f| {
+        let own = rows.forward(f).find(|&(g, _)| g == f).map_or(0.0, |(_, w)| w);
+        let others: f64 =
+            rows.backward(f).filter(|&(g, _)| g != f).map(|(g, w)| areas[g] * w * w).sum();
+        smooth * (areas[f] * (1.0 - own) * (1.0 - own) + others) + keep * areas[f]
+    });
     let b: Vec<[f64; 3]> =
         noisy.iter().zip(&areas).map(|(&n, a)| (keep * a * n).to_array()).collect();
     let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000 };

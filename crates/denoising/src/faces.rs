@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -251,7 +252,7 @@ impl FaceLists {
             blocks.push((first, values, now));
             rest = later;
         }
-        blocks.into_par_iter().for_each(|(first, values, mut numbers)| {
+        parallel::for_each(blocks, |(first, values, mut numbers)| {
             for (k, value) in values.iter_mut().enumerate() {
                 let length = self.range(first + k).len();
                 let (now, later) = std::mem::take(&mut numbers).split_at_mut(length);
@@ -273,20 +274,13 @@ pub(crate) struct FaceShapes {
 
 impl FaceShapes {
     pub(crate) fn new(mesh: &TriMesh) -> Self {
-        let (areas, normals) = (0..mesh.face_count())
-            .into_par_iter()
-            .map(|f| {
-                let vector = DVec3::from(mesh.area_vector(f));
-                (vector.length(), vector.normalize_or_zero())
-            })
-            .unzip();
-        let centroids = (0..mesh.face_count())
-            .into_par_iter()
-            .map(|f| {
-                let [a, b, c] = mesh.triangle(f).map(DVec3::from);
-                (a + b + c) * (1.0 / 3.0)
-            })
-            .collect();
+        let vector = |f: usize| DVec3::from(mesh.area_vector(f));
+        let areas = parallel::map(mesh.face_count(), 64, |f| vector(f).length());
+        let normals = parallel::map(mesh.face_count(), 64, |f| vector(f).normalize_or_zero());
+        let centroids = parallel::map(mesh.face_count(), 64, |f| {
+            let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+            (a + b + c) * (1.0 / 3.0)
+        });
         Self { areas, normals, centroids }
     }
 }

@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use super::error::DenoiseError;
 use super::faces::{FaceLists, FaceShapes};
@@ -58,19 +58,16 @@ fn filter(input: Masked<'_>, options: &FastEffectiveOptions) -> Result<TriMesh, 
     fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
         fairing_watch::advance(1);
-        normals = (0..normals.len())
-            .into_par_iter()
-            .map(|f| {
-                let own = normals[f];
-                let start = (1.0 - threshold).powi(2) * own;
-                let sum = rings.row(f).iter().fold(start, |sum, &g| {
-                    let n = normals[g as usize];
-                    let w = (own.dot(n) - threshold).max(0.0);
-                    sum + w * w * n
-                });
-                sum.normalize_or_zero()
-            })
-            .collect();
+        normals = parallel::map(normals.len(), 64, |f| {
+            let own = normals[f];
+            let start = (1.0 - threshold).powi(2) * own;
+            let sum = rings.row(f).iter().fold(start, |sum, &g| {
+                let n = normals[g as usize];
+                let w = (own.dot(n) - threshold).max(0.0);
+                sum + w * w * n
+            });
+            sum.normalize_or_zero()
+        });
     }
     follow_normals(input, &normals, options.vertex_steps)
 }

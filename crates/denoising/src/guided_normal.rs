@@ -4,8 +4,8 @@ use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::error::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
@@ -85,21 +85,18 @@ fn filter(input: Masked<'_>, options: &GuidedNormalOptions) -> Result<TriMesh, D
         let half = -0.5 * LOG2_E;
         let spatial = half / (options.spatial * unit).powi(2).max(f64::MIN_POSITIVE);
         let range = half / options.range.powi(2);
-        let normals: Vec<DVec3> = (0..current.face_count())
-            .into_par_iter()
-            .map(|f| {
-                let weighted = |g: usize, w: f64| w * shapes.normals[g];
-                let mut sum = weighted(f, shapes.areas[f]);
-                for &g in near.row(f) {
-                    let g = g as usize;
-                    let d = shapes.centroids[f].distance(shapes.centroids[g]);
-                    let t = guidance[f].distance(guidance[g]);
-                    let w = shapes.areas[g] * libm::exp2(spatial * d * d + range * t * t);
-                    sum += weighted(g, w);
-                }
-                sum.normalize_or_zero()
-            })
-            .collect();
+        let normals: Vec<DVec3> = parallel::map(current.face_count(), 64, |f| {
+            let weighted = |g: usize, w: f64| w * shapes.normals[g];
+            let mut sum = weighted(f, shapes.areas[f]);
+            for &g in near.row(f) {
+                let g = g as usize;
+                let d = shapes.centroids[f].distance(shapes.centroids[g]);
+                let t = guidance[f].distance(guidance[g]);
+                let w = shapes.areas[g] * libm::exp2(spatial * d * d + range * t * t);
+                sum += weighted(g, w);
+            }
+            sum.normalize_or_zero()
+        });
         current = follow_normals(input.on(&current), &normals, options.vertex_steps)?;
     }
     Ok(current)
@@ -107,29 +104,24 @@ fn filter(input: Masked<'_>, options: &GuidedNormalOptions) -> Result<TriMesh, D
 
 /// The mean normal of the most consistent patch around each face.
 fn guidance(hinges: &Hinges, rings: &FaceLists, shapes: &FaceShapes) -> Vec<DVec3> {
-    let patches: Vec<(f64, DVec3)> = (0..shapes.areas.len())
-        .into_par_iter()
-        .map_init(Vec::new, |patch: &mut Vec<u32>, f| {
-            patch.clear();
-            patch.push(f as u32);
-            patch.extend_from_slice(rings.row(f));
-            patch.sort_unstable();
-            patch_consistency(hinges, patch, shapes)
-        })
-        .collect();
-    (0..shapes.areas.len())
-        .into_par_iter()
-        .map(|f| {
-            let mut best = patches[f];
-            for &g in rings.row(f) {
-                let patch = patches[g as usize];
-                if patch.0 < best.0 {
-                    best = patch;
-                }
+    let consistency = |patch: &mut Vec<u32>, f: usize| {
+        patch.clear();
+        patch.push(f as u32);
+        patch.extend_from_slice(rings.row(f));
+        patch.sort_unstable();
+        patch_consistency(hinges, patch, shapes)
+    };
+    let patches = parallel::map_with(shapes.areas.len(), 64, Vec::new, consistency);
+    parallel::map(shapes.areas.len(), 64, |f| {
+        let mut best = patches[f];
+        for &g in rings.row(f) {
+            let patch = patches[g as usize];
+            if patch.0 < best.0 {
+                best = patch;
             }
-            best.1
-        })
-        .collect()
+        }
+        best.1
+    })
 }
 
 /// `H = Φ R` and the mean normal of a patch of ascending faces.

@@ -2,8 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::parallel::update;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::faces::{FaceShapes, Hinge, Hinges};
 
@@ -48,13 +48,9 @@ impl JumpSystem {
             (if g as usize == f { k } else { g }, penalty * length(mesh, hinge) / h)
         };
         let lengths = 2.0 * hinges.all.iter().map(|hinge| length(mesh, hinge) / h).sum::<f64>();
-        let (across, widths) = (0..areas.len())
-            .into_par_iter()
-            .map(|f| {
-                let sides = hinges.of_face[f].map(|e| side(f, e));
-                (sides.map(|(g, _)| g), sides.map(|(_, width)| width))
-            })
-            .unzip();
+        let sides = parallel::map(areas.len(), 64, |f| hinges.of_face[f].map(|e| side(f, e)));
+        let across = sides.iter().map(|sides| sides.map(|(g, _)| g)).collect();
+        let widths = sides.iter().map(|sides| sides.map(|(_, width)| width)).collect();
         let noisy = normals.iter().map(DVec3::to_array).collect();
         Self { hinges, noisy, areas, across, widths, lengths }
     }
@@ -85,7 +81,7 @@ impl JumpSystem {
 
     /// The diagonal of the matrix.
     pub(crate) fn diagonal(&self) -> Vec<f64> {
-        let faces = self.areas.par_iter().zip(&self.widths);
+        let faces = self.areas.iter().zip(&self.widths);
         faces.map(|(area, widths)| area + widths.iter().sum::<f64>()).collect()
     }
 

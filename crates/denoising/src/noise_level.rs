@@ -1,6 +1,7 @@
 //! The noise level of a mesh, estimated without a ground truth.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -262,23 +263,21 @@ impl LocalResiduals {
         let of_fits = residuals(input);
         let residuals: Vec<Option<f64>> =
             of_fits.into_iter().map(|[two_ring, ..]| two_ring.map(|r| r / sigma)).collect();
-        let terms: Vec<[f64; 3]> = (0..mesh.vertex_count() as u32)
-            .into_par_iter()
-            .map(|v| {
-                let Some(own) = residuals[v as usize] else { return [0.0; 3] };
-                let own = own.clamp(-CLIP, CLIP);
-                let mut sums = [0.0; 3];
-                for w in mesh.topology().neighbors(v) {
-                    if let Some(other) = residuals[*w as usize] {
-                        let other = other.clamp(-CLIP, CLIP);
-                        sums[0] += 0.5 * (own * own + other * other);
-                        sums[1] += own * other;
-                        sums[2] += 1.0;
-                    }
+        let terms: Vec<[f64; 3]> = parallel::map(mesh.vertex_count(), 64, |v| {
+            let v = v as u32;
+            let Some(own) = residuals[v as usize] else { return [0.0; 3] };
+            let own = own.clamp(-CLIP, CLIP);
+            let mut sums = [0.0; 3];
+            for w in mesh.topology().neighbors(v) {
+                if let Some(other) = residuals[*w as usize] {
+                    let other = other.clamp(-CLIP, CLIP);
+                    sums[0] += 0.5 * (own * own + other * other);
+                    sums[1] += own * other;
+                    sums[2] += 1.0;
                 }
-                sums
-            })
-            .collect();
+            }
+            sums
+        });
         let column = |k: usize| terms.iter().map(|term| term[k]).collect();
         Self { squares: column(0), products: column(1), counts: column(2) }
     }

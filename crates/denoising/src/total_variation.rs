@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::Hinge;
@@ -104,7 +104,7 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
         normals = solved(found, &ACCURACY, step)?;
     }
     let normals: Vec<DVec3> =
-        normals.into_par_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
+        normals.into_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
     follow_normals(input, &normals, options.vertex_steps)
 }
 
@@ -112,15 +112,14 @@ fn filter(input: Masked<'_>, options: &TotalVariationOptions) -> Result<TriMesh,
 fn thresholds(system: &JumpSystem, weight: f64) -> Vec<f64> {
     let JumpSystem { hinges, noisy, areas, .. } = system;
     let weighted = |f: usize| areas[f] * DVec3::from(noisy[f]);
-    let averaged: Vec<DVec3> = (0..areas.len())
-        .into_par_iter()
-        .map(|f| hinges.across(f).fold(weighted(f), |s, g| s + weighted(g)).normalize_or_zero())
-        .collect();
+    let averaged: Vec<DVec3> = parallel::map(areas.len(), 64, |f| {
+        hinges.across(f).fold(weighted(f), |s, g| s + weighted(g)).normalize_or_zero()
+    });
     let threshold = |hinge: &Hinge| {
         let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
         weight * libm::exp(-m.distance(n).powi(4))
     };
-    hinges.all.par_iter().map(threshold).collect()
+    parallel::map(hinges.all.len(), 64, |i| threshold(&hinges.all[i]))
 }
 
 #[cfg(test)]

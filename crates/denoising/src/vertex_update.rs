@@ -2,8 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::ParameterError;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::error::DenoiseError;
 use super::masked::{Masked, on_oriented};
@@ -87,54 +87,49 @@ impl Aim {
 /// One step of all vertices from `current`.
 fn step(input: Masked<'_>, normals: &[DVec3], current: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let (incidence, faces) = (input.mesh().incidence(), input.mesh().faces());
-    let aims: Vec<Aim> = faces
-        .par_iter()
-        .zip(normals)
-        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize].into()), normal))
-        .collect();
-    (0..current.len())
-        .into_par_iter()
-        .map(|v| {
-            if input.is_fixed(v) {
-                return current[v];
+    let aims: Vec<Aim> = parallel::map(faces.len(), 64, |f| {
+        Aim::new(faces[f].map(|v| current[v as usize].into()), normals[f])
+    });
+    parallel::map(current.len(), 64, |v| {
+        if input.is_fixed(v) {
+            return current[v];
+        }
+        let x = DVec3::from(current[v]);
+        let corners = incidence.corners(v as u32);
+        let (mut sum, mut count, mut slack) = (DVec3::ZERO, 0u32, f64::INFINITY);
+        for &c in corners {
+            let aim = &aims[c as usize / 3];
+            if aim.normal == DVec3::ZERO {
+                continue;
             }
-            let x = DVec3::from(current[v]);
-            let corners = incidence.corners(v as u32);
-            let (mut sum, mut count, mut slack) = (DVec3::ZERO, 0u32, f64::INFINITY);
-            for &c in corners {
-                let aim = &aims[c as usize / 3];
-                if aim.normal == DVec3::ZERO {
-                    continue;
-                }
-                sum += aim.normal.dot(aim.centroid - x) * aim.normal;
-                slack = slack.min(aim.slack);
-                count += 1;
-            }
-            let mut y = x + sum * (1.0 / f64::from(count.max(1)));
-            if (y - x).length() < slack {
+            sum += aim.normal.dot(aim.centroid - x) * aim.normal;
+            slack = slack.min(aim.slack);
+            count += 1;
+        }
+        let mut y = x + sum * (1.0 / f64::from(count.max(1)));
+        if (y - x).length() < slack {
+            return y.to_array();
+        }
+        // A vertex that alone turns a face against its normal goes back
+        // part of the way; the neighbours are fixed where they were, so
+        // that vertices do not depend on the order they are visited in.
+        let turns = |y: DVec3| {
+            corners.iter().any(|&c| {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                let corner = |i: usize| DVec3::from(current[faces[f][(k + i) % 3] as usize]);
+                let (p, q, normal) = (corner(1), corner(2), normals[f]);
+                let side = |x: DVec3| (p - x).cross(q - x).dot(normal);
+                side(x) > 0.0 && side(y) <= 0.0
+            })
+        };
+        for _ in 0..3 {
+            if !turns(y) {
                 return y.to_array();
             }
-            // A vertex that alone turns a face against its normal goes back
-            // part of the way; the neighbours are fixed where they were, so
-            // that vertices do not depend on the order they are visited in.
-            let turns = |y: DVec3| {
-                corners.iter().any(|&c| {
-                    let (f, k) = (c as usize / 3, c as usize % 3);
-                    let corner = |i: usize| DVec3::from(current[faces[f][(k + i) % 3] as usize]);
-                    let (p, q, normal) = (corner(1), corner(2), normals[f]);
-                    let side = |x: DVec3| (p - x).cross(q - x).dot(normal);
-                    side(x) > 0.0 && side(y) <= 0.0
-                })
-            };
-            for _ in 0..3 {
-                if !turns(y) {
-                    return y.to_array();
-                }
-                y = 0.5 * (y + x);
-            }
-            (if turns(y) { x } else { y }).to_array()
-        })
-        .collect()
+            y = 0.5 * (y + x);
+        }
+        (if turns(y) { x } else { y }).to_array()
+    })
 }
 
 #[cfg(test)]

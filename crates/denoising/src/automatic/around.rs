@@ -1,7 +1,7 @@
 //! Sums over the faces around a face.
 
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::fits::{LocalFit, Moments, moments, tangents};
 use super::state::{RANGES, State, similarities};
@@ -83,8 +83,7 @@ pub(super) struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     pub(super) fn new(state: &'a State<'a>) -> Self {
-        let terms =
-            (0..state.normals.len()).into_par_iter().map(|f| Terms::new(state, f)).collect();
+        let terms = parallel::map(state.normals.len(), 64, |f| Terms::new(state, f));
         Self { state, terms }
     }
 }

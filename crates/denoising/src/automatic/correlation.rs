@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::upper_median;
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use super::follow::offsets_along;
 use super::state::{State, root_mean_square};
@@ -91,25 +91,23 @@ fn displacements(state: &State<'_>) -> Vec<f64> {
 /// variance of a mean over many vertices is that of independent noise times this factor.
 fn correlation_sum(mesh: &TriMesh, offsets: &[f64]) -> f64 {
     let topology = mesh.topology();
-    let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
-        .into_par_iter()
-        .map_init(Vec::new, |disc: &mut Vec<u32>, v| {
-            disc.clear();
-            disc.push(v);
-            for &w in topology.neighbors(v) {
-                disc.push(w);
-                let ring = topology.neighbors(w);
-                if ring.len() <= HUB {
-                    disc.extend_from_slice(ring);
-                }
+    let term = |disc: &mut Vec<u32>, v: usize| {
+        disc.clear();
+        disc.push(v as u32);
+        for &w in topology.neighbors(v as u32) {
+            disc.push(w);
+            let ring = topology.neighbors(w);
+            if ring.len() <= HUB {
+                disc.extend_from_slice(ring);
             }
-            disc.sort_unstable();
-            disc.dedup();
-            let sum: f64 = disc.iter().map(|&w| offsets[w as usize]).sum();
-            let r = offsets[v as usize];
-            [r * sum, r * r]
-        })
-        .collect();
+        }
+        disc.sort_unstable();
+        disc.dedup();
+        let sum: f64 = disc.iter().map(|&w| offsets[w as usize]).sum();
+        let r = offsets[v];
+        [r * sum, r * r]
+    };
+    let terms: Vec<[f64; 2]> = parallel::map_with(offsets.len(), 64, Vec::new, term);
     let [products, squares] = terms.iter().fold([0.0; 2], |s, t| [s[0] + t[0], s[1] + t[1]]);
     if squares > 0.0 { (products / squares).max(1.0) } else { 1.0 }
 }

@@ -1,8 +1,8 @@
 //! Opens the faces of a result that oppose their normals.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::follow::{Follow, within};
 use crate::error::DenoiseError;
@@ -103,8 +103,9 @@ fn relaxed(
 
 /// The faces that oppose their normals.
 fn opposing(mesh: &TriMesh, normals: &[DVec3]) -> Vec<usize> {
-    (0..mesh.face_count())
-        .into_par_iter()
-        .filter(|&f| DVec3::from(mesh.area_vector(f)).dot(normals[f]) < 0.0)
-        .collect()
+    let opposes = |&f: &usize| DVec3::from(mesh.area_vector(f)).dot(normals[f]) < 0.0;
+    let found = parallel::map_ranges(mesh.face_count(), 1024, |faces| {
+        faces.filter(opposes).collect::<Vec<usize>>()
+    });
+    found.concat()
 }

@@ -1,8 +1,8 @@
 //! The surface follows its normals, and folds open.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes, longest_side};
@@ -39,17 +39,12 @@ struct Aim {
 impl<'a> Follow<'a> {
     /// The surface that follows normals under noise of the level `sigma`.
     pub(super) fn new(noisy: &'a TriMesh, rings: &FaceLists, sigma: f64, limit: f64) -> Self {
-        let areas: Vec<f64> = (0..noisy.face_count())
-            .into_par_iter()
-            .map(|f| DVec3::from(noisy.area_vector(f)).length())
-            .collect();
-        let least = (0..areas.len())
-            .into_par_iter()
-            .map(|f| {
-                let mean = rings.mean(&areas, f);
-                (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest_side(noisy, f))
-            })
-            .collect();
+        let areas: Vec<f64> =
+            parallel::map(noisy.face_count(), 64, |f| DVec3::from(noisy.area_vector(f)).length());
+        let least = parallel::map(areas.len(), 64, |f| {
+            let mean = rings.mean(&areas, f);
+            (MIN_FRACTION * mean).min(MIN_NOISE * sigma * longest_side(noisy, f))
+        });
         Self { noisy: noisy.into(), least, limit }
     }
 
@@ -88,54 +83,50 @@ impl<'a> Follow<'a> {
     fn step(&self, x: &[DVec3], normals: &[DVec3]) -> Vec<DVec3> {
         let noisy = self.noisy.mesh();
         let (incidence, faces) = (noisy.incidence(), noisy.faces());
-        let aims: Vec<Aim> = (faces.par_iter().zip(normals).zip(&self.least))
-            .map(|((face, &normal), &least)| {
-                let [a, b, c] = face.map(|v| x[v as usize]);
-                let area = 0.5 * normal.dot((b - a).cross(c - a));
-                let mut opening = 0.0;
-                if area < least && normal != DVec3::ZERO {
-                    let square = |p, q| {
-                        let g = normal.cross(q - p);
-                        0.25 * g.dot(g)
-                    };
-                    let squares = square(b, c) + square(c, a) + square(a, b);
-                    opening = (least - area) / squares.max(f64::MIN_POSITIVE);
+        let aims: Vec<Aim> = parallel::map(faces.len(), 64, |f| {
+            let (normal, least) = (normals[f], self.least[f]);
+            let [a, b, c] = faces[f].map(|v| x[v as usize]);
+            let area = 0.5 * normal.dot((b - a).cross(c - a));
+            let mut opening = 0.0;
+            if area < least && normal != DVec3::ZERO {
+                let square = |p, q| {
+                    let g = normal.cross(q - p);
+                    0.25 * g.dot(g)
+                };
+                let squares = square(b, c) + square(c, a) + square(a, b);
+                opening = (least - area) / squares.max(f64::MIN_POSITIVE);
+            }
+            Aim { height: normal.dot((a + b + c) * (1.0 / 3.0)), opening }
+        });
+        parallel::map(x.len(), 64, |v| {
+            if self.noisy.is_fixed(v) {
+                return x[v];
+            }
+            let corners = incidence.corners(v as u32);
+            let (mut sum, mut count) = (DVec3::ZERO, 0u32);
+            let (mut open, mut folds) = (DVec3::ZERO, 0u32);
+            for &c in corners {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                let (normal, Aim { height, opening }) = (normals[f], aims[f]);
+                if normal == DVec3::ZERO {
+                    continue;
                 }
-                Aim { height: normal.dot((a + b + c) * (1.0 / 3.0)), opening }
-            })
-            .collect();
-        (0..x.len())
-            .into_par_iter()
-            .map(|v| {
-                if self.noisy.is_fixed(v) {
-                    return x[v];
+                sum += (height - normal.dot(x[v])) * normal;
+                count += 1;
+                if opening > 0.0 {
+                    let [p, q] = [1, 2].map(|i| x[faces[f][(k + i) % 3] as usize]);
+                    let gradient = 0.5 * normal.cross(q - p);
+                    open += opening * gradient;
+                    folds += 1;
                 }
-                let corners = incidence.corners(v as u32);
-                let (mut sum, mut count) = (DVec3::ZERO, 0u32);
-                let (mut open, mut folds) = (DVec3::ZERO, 0u32);
-                for &c in corners {
-                    let (f, k) = (c as usize / 3, c as usize % 3);
-                    let (normal, Aim { height, opening }) = (normals[f], aims[f]);
-                    if normal == DVec3::ZERO {
-                        continue;
-                    }
-                    sum += (height - normal.dot(x[v])) * normal;
-                    count += 1;
-                    if opening > 0.0 {
-                        let [p, q] = [1, 2].map(|i| x[faces[f][(k + i) % 3] as usize]);
-                        let gradient = 0.5 * normal.cross(q - p);
-                        open += opening * gradient;
-                        folds += 1;
-                    }
-                }
-                let mut y = x[v] + sum * (1.0 / f64::from(count.max(1)));
-                if folds > 0 {
-                    let around = corners.iter().map(|&c| normals[c as usize / 3]);
-                    y += within(around, open * (1.0 / f64::from(folds)));
-                }
-                self.held(v, y)
-            })
-            .collect()
+            }
+            let mut y = x[v] + sum * (1.0 / f64::from(count.max(1)));
+            if folds > 0 {
+                let around = corners.iter().map(|&c| normals[c as usize / 3]);
+                y += within(around, open * (1.0 / f64::from(folds)));
+            }
+            self.held(v, y)
+        })
     }
 
     /// The position of vertex `v` moved towards `to`, no farther than the limit from its input
@@ -223,19 +214,16 @@ pub(super) fn relabel(
             break;
         }
         let geometry = FaceShapes::new(&follow.run(noisy, &kept, 20)?).normals;
-        labels = (0..labels.len())
-            .into_par_iter()
-            .map(|f| {
-                if kept[f] != DVec3::ZERO {
-                    return kept[f];
-                }
-                let neighbours = rings.row(f).iter().map(|&g| kept[g as usize]);
-                neighbours
-                    .filter(|n| *n != DVec3::ZERO)
-                    .max_by(|a, b| (*a).dot(geometry[f]).total_cmp(&(*b).dot(geometry[f])))
-                    .unwrap_or(labels[f])
-            })
-            .collect();
+        labels = parallel::map(labels.len(), 64, |f| {
+            if kept[f] != DVec3::ZERO {
+                return kept[f];
+            }
+            let neighbours = rings.row(f).iter().map(|&g| kept[g as usize]);
+            neighbours
+                .filter(|n| *n != DVec3::ZERO)
+                .max_by(|a, b| (*a).dot(geometry[f]).total_cmp(&(*b).dot(geometry[f])))
+                .unwrap_or(labels[f])
+        });
     }
     Ok(labels)
 }

@@ -2,8 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::NormalEquations;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::DenoiseError;
 use crate::masked::Masked;
@@ -113,31 +113,29 @@ fn vertex_areas(mesh: &TriMesh, normals: &[DVec3]) -> Vec<DVec3> {
 /// weighted by area.
 fn directions(mesh: &TriMesh, normals: &[DVec3]) -> Vec<DVec3> {
     let incidence = mesh.incidence();
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .map(|v| {
-            let mut equations = NormalEquations::<3>::default();
-            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-            for &c in incidence.corners(v) {
-                let f = c as usize / 3;
-                let area = DVec3::from(mesh.area_vector(f)).length();
-                if normals[f] != DVec3::ZERO && area > 0.0 {
-                    equations.add(&normals[f].to_array(), 1.0, area);
-                    sum += area * normals[f];
-                    total += area;
-                }
+    parallel::map(mesh.vertex_count(), 64, |v| {
+        let v = v as u32;
+        let mut equations = NormalEquations::<3>::default();
+        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+        for &c in incidence.corners(v) {
+            let f = c as usize / 3;
+            let area = DVec3::from(mesh.area_vector(f)).length();
+            if normals[f] != DVec3::ZERO && area > 0.0 {
+                equations.add(&normals[f].to_array(), 1.0, area);
+                sum += area * normals[f];
+                total += area;
             }
-            let length = sum.length();
-            if length <= 0.0 {
-                return DVec3::ZERO;
-            }
-            let mean = sum * (1.0 / length);
-            for axis in DVec3::AXES {
-                equations.add(&axis.to_array(), axis.dot(mean), STIFFNESS * total);
-            }
-            equations.factor().map_or(mean, |factor| factor.solve(equations.rhs()).into())
-        })
-        .collect()
+        }
+        let length = sum.length();
+        if length <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let mean = sum * (1.0 / length);
+        for axis in DVec3::AXES {
+            equations.add(&axis.to_array(), axis.dot(mean), STIFFNESS * total);
+        }
+        equations.factor().map_or(mean, |factor| factor.solve(equations.rhs()).into())
+    })
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The bound on displacements: the measured noise.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::follow::offsets_along;
 use crate::error::DenoiseError;
@@ -167,14 +167,12 @@ pub(super) fn restrained(
 fn averaged(mesh: &TriMesh, mut numbers: Vec<f64>) -> Vec<f64> {
     let topology = mesh.topology();
     for _ in 0..ROUNDS {
-        numbers = (0..numbers.len() as u32)
-            .into_par_iter()
-            .map(|v| {
-                let ring = topology.neighbors(v);
-                let sum: f64 = ring.iter().map(|&w| numbers[w as usize]).sum();
-                (numbers[v as usize] + sum) / (ring.len() + 1) as f64
-            })
-            .collect();
+        numbers = parallel::map(numbers.len(), 64, |v| {
+            let v = v as u32;
+            let ring = topology.neighbors(v);
+            let sum: f64 = ring.iter().map(|&w| numbers[w as usize]).sum();
+            (numbers[v as usize] + sum) / (ring.len() + 1) as f64
+        });
     }
     numbers
 }

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::upper_median;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::DenoiseError;
 use crate::masked::Masked;
@@ -113,10 +113,9 @@ struct Height {
 
 /// The height of each inner vertex; zero for vertices on borders and for hubs.
 fn heights(mesh: &TriMesh) -> Vec<Height> {
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .map_init(Vec::new, |second, v| height(mesh, v, second).unwrap_or_default())
-        .collect()
+    parallel::map_with(mesh.vertex_count(), 64, Vec::new, |second, v| {
+        height(mesh, v as u32, second).unwrap_or_default()
+    })
 }
 
 /// The plane of the neighbours has the area vector of their polygon, and goes through their mean.

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::upper_median;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::follow::Follow;
 use crate::error::DenoiseError;
@@ -85,13 +85,10 @@ impl<'a> State<'a> {
         let rings = FaceLists::rings(mesh);
         let noisy = FaceShapes::new(mesh);
         let vector = |f: usize| noisy.areas[f] * noisy.normals[f];
-        let normals = (0..mesh.face_count())
-            .into_par_iter()
-            .map(|f| {
-                let ring = rings.row(f).iter().map(|&g| vector(g as usize));
-                ring.fold(vector(f), |sum, v| sum + v).normalize_or_zero()
-            })
-            .collect();
+        let normals = parallel::map(mesh.face_count(), 64, |f| {
+            let ring = rings.row(f).iter().map(|&g| vector(g as usize));
+            ring.fold(vector(f), |sum, v| sum + v).normalize_or_zero()
+        });
         let mut state = Self {
             input,
             hinges: Hinges::new(mesh),
@@ -172,14 +169,11 @@ impl<'a> State<'a> {
     /// The local scale of each face.
     fn set_scales(&mut self) {
         let (areas, rings, h) = (&self.current.areas, &self.rings, self.h);
-        self.scales = (0..areas.len())
-            .into_par_iter()
-            .map(|f| {
-                // The side of an equilateral triangle of this area.
-                let side = (rings.mean(areas, f) * (4.0 / 3.0f64.sqrt())).sqrt();
-                side.clamp(0.02 * h, 50.0 * h)
-            })
-            .collect();
+        self.scales = parallel::map(areas.len(), 64, |f| {
+            // The side of an equilateral triangle of this area.
+            let side = (rings.mean(areas, f) * (4.0 / 3.0f64.sqrt())).sqrt();
+            side.clamp(0.02 * h, 50.0 * h)
+        });
     }
 
     /// Differences between normals that count: from what noise of `factor` σ̂/h
@@ -213,19 +207,16 @@ pub(super) fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RAN
 
 /// The mean centroid around each face.
 fn mean_centroids(centroids: &[DVec3], rings: &FaceLists) -> Vec<DVec3> {
-    (0..centroids.len())
-        .into_par_iter()
-        .map(|f| {
-            let row = rings.row(f);
-            let sum = row.iter().fold(centroids[f], |s, &g| s + centroids[g as usize]);
-            sum * (1.0 / (row.len() + 1) as f64)
-        })
-        .collect()
+    parallel::map(centroids.len(), 64, |f| {
+        let row = rings.row(f);
+        let sum = row.iter().fold(centroids[f], |s, &g| s + centroids[g as usize]);
+        sum * (1.0 / (row.len() + 1) as f64)
+    })
 }
 
 /// The longest side of each face.
 fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
-    (0..mesh.face_count()).into_par_iter().map(|f| longest_side(mesh, f)).collect()
+    parallel::map(mesh.face_count(), 64, |f| longest_side(mesh, f))
 }
 
 pub(super) fn root_mean_square(numbers: &[f64]) -> f64 {

@@ -1,7 +1,7 @@
 //! Means of noisy normals over wide regions that end at creases.
 
+use fairing_watch::parallel;
 use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
 
 use super::features::{WIDE, WIDE_RANGES};
 use super::state::State;
@@ -39,7 +39,12 @@ const MIN_MASS: f64 = 1e-6;
 /// `√t` faces far, less across a crease. The widest are also sharpened: x and the diffusion
 /// of n − x, so that what varies slowly is kept to the second order in t.
 pub(crate) fn wide_means(state: &State<'_>) -> [Vec<DVec3>; WIDE] {
-    let units = |x: &[DVec3]| x.par_iter().map(|&x| x.normalize_or_zero()).collect::<Vec<_>>();
+    let units = |x: &[DVec3]| {
+        parallel::map(x.len(), 64, |i| {
+            let x = x[i];
+            x.normalize_or_zero()
+        })
+    };
     let (mut plain, mut sharpened) = (vec![], vec![]);
     for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
         let diffusion = Diffusion::new(state, range, strength);
@@ -93,14 +98,17 @@ impl Diffusion {
             let vector = noisy.areas[f] * state.trust[f] * noisy.normals[f];
             (inverse * mass, (inverse * vector, [0, 1, 2].map(side)))
         };
-        (system.masses, (system.target, system.rows)) = (0..count).into_par_iter().map(row).unzip();
+        (system.masses, (system.target, system.rows)) =
+            parallel::map(count, 64, row).into_iter().unzip();
         system
     }
 
     /// Adds the diffusion of what x leaves of the noisy normals.
     fn sharpen(mut self, x: &mut [DVec3], steps: usize) {
-        (self.target.par_iter_mut().zip(&self.masses).zip(&*x))
-            .for_each(|((target, m), x)| *target = 2.0 * *target - *m * *x);
+        let masses = &self.masses;
+        parallel::for_rows(&mut self.target, |f, target| {
+            *target = 2.0 * *target - masses[f] * x[f];
+        });
         self.solve(x, steps);
     }
 
@@ -118,7 +126,7 @@ impl Diffusion {
             }
             residual.as_vec3a()
         };
-        let residuals: Vec<Vec3A> = (0..x.len()).into_par_iter().map(start).collect();
+        let residuals: Vec<Vec3A> = parallel::map(x.len(), 64, start);
         let mut change = vec![Vec3A::ZERO; x.len()];
         let mut next = change.clone();
         let mut rho = half / middle;
@@ -133,7 +141,7 @@ impl Diffusion {
             };
             let (turn, gain) = (turn as f32, gain as f32);
             // The next change replaces the one before the last.
-            next.par_iter_mut().enumerate().with_min_len(MIN_FACES).for_each(|(f, next)| {
+            parallel::for_rows(&mut next, |f, next| {
                 let now = change[f];
                 let mut residual = residuals[f] - now;
                 for &(g, w) in &self.rows[f] {
@@ -143,7 +151,7 @@ impl Diffusion {
             });
             std::mem::swap(&mut change, &mut next);
         }
-        x.par_iter_mut().zip(change).for_each(|(x, change)| *x += change.as_dvec3());
+        parallel::for_rows(x, |f, x| *x += change[f].as_dvec3());
     }
 }
 

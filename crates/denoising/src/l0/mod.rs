@@ -5,8 +5,8 @@ mod system;
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::DenoiseError;
 use crate::faces::{FaceShapes, Hinge, Hinges};
@@ -102,11 +102,11 @@ fn filter(input: Masked<'_>, options: &L0Options) -> Result<TriMesh, DenoiseErro
     fairing_watch::stage("rounds", rounds as u64);
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
-        let bend = |(corners, w): (&[u32; 4], &[f64; 4])| {
-            let bend = combine(corners, w, &positions);
+        let bend = |e: usize| {
+            let bend = combine(&stencils.corners[e], &weights[e], &positions);
             if bend.dot(bend) <= lambda / beta { DVec3::ZERO } else { bend }
         };
-        let delta: Vec<DVec3> = stencils.corners.par_iter().zip(&weights).map(bend).collect();
+        let delta: Vec<DVec3> = parallel::map(weights.len(), 64, bend);
         let b = stencils.transpose(&weights, &delta);
         let at = |(v, (&p, &d)): (usize, (&[f64; 3], &DVec3))| {
             if input.is_fixed(v) { p } else { (DVec3::from(p) + beta * d).to_array() }

@@ -1,8 +1,8 @@
 //! The edge operators of L0 minimisation, and the matrix of a step.
 
 use fairing_mesh::TriMesh;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::faces::{Hinge, Hinges};
 
@@ -24,17 +24,13 @@ const ROWS: usize = 2048;
 impl System {
     pub(super) fn new(stencils: &Stencils) -> Self {
         let n = stencils.offsets.len() - 1;
-        let rows: Vec<Vec<u32>> = (0..n)
-            .into_par_iter()
-            .with_min_len(ROWS)
-            .map(|v| {
-                let corners = stencils.at(v).flat_map(|(e, _)| stencils.corners[e]);
-                let mut row: Vec<u32> = corners.chain([v as u32]).collect();
-                row.sort_unstable();
-                row.dedup();
-                row
-            })
-            .collect();
+        let rows: Vec<Vec<u32>> = parallel::map(n, ROWS, |v| {
+            let corners = stencils.at(v).flat_map(|(e, _)| stencils.corners[e]);
+            let mut row: Vec<u32> = corners.chain([v as u32]).collect();
+            row.sort_unstable();
+            row.dedup();
+            row
+        });
         let mut offsets = vec![0u32; n + 1];
         for (v, row) in rows.iter().enumerate() {
             offsets[v + 1] = offsets[v] + row.len() as u32;
@@ -46,11 +42,10 @@ impl System {
             start + rows[i as usize].partition_point(|&c| c < j) as u32
         };
         let diagonal = (0..n as u32).map(|v| slot(v, v)).collect();
-        let slots = stencils
-            .corners
-            .par_iter()
-            .map(|c| std::array::from_fn(|k| slot(c[k / 4], c[k % 4])))
-            .collect();
+        let slots = parallel::map(stencils.corners.len(), 64, |i| {
+            let c = &stencils.corners[i];
+            std::array::from_fn(|k| slot(c[k / 4], c[k % 4]))
+        });
         Self { values: vec![0.0; columns.len()], offsets, columns, diagonal, slots }
     }
 
@@ -139,36 +134,33 @@ impl Stencils {
     /// The coefficients of the area-based edge operator at the given
     /// positions; zero for a hinge whose edge or faces have no size.
     pub(super) fn edge_operators(&self, positions: &[[f64; 3]]) -> Vec<[f64; 4]> {
-        self.corners
-            .par_iter()
-            .map(|corners| {
-                let [p1, p2, p3, p4] = corners.map(|v| DVec3::from(positions[v as usize]));
-                let edge = p3 - p1;
-                let area = |p: DVec3| 0.5 * (p - p1).cross(edge).length();
-                let (a2, a4) = (area(p2), area(p4));
-                let scale = edge.dot(edge) * (a2 + a4);
-                if scale.is_nan() || scale <= f64::MIN_POSITIVE {
-                    return [0.0; 4];
-                }
-                // Where the feet of p₂ and p₄ lie along the edge, from p₃.
-                let (t2, t4) = ((p3 - p2).dot(edge), (p3 - p4).dot(edge));
-                let (s2, s4) = ((p2 - p1).dot(edge), (p4 - p1).dot(edge));
-                [
-                    -(a4 * t2 + a2 * t4) / scale,
-                    a4 / (a2 + a4),
-                    -(a4 * s2 + a2 * s4) / scale,
-                    a2 / (a2 + a4),
-                ]
-            })
-            .collect()
+        parallel::map(self.corners.len(), 64, |i| {
+            let corners = &self.corners[i];
+            let [p1, p2, p3, p4] = corners.map(|v| DVec3::from(positions[v as usize]));
+            let edge = p3 - p1;
+            let area = |p: DVec3| 0.5 * (p - p1).cross(edge).length();
+            let (a2, a4) = (area(p2), area(p4));
+            let scale = edge.dot(edge) * (a2 + a4);
+            if scale.is_nan() || scale <= f64::MIN_POSITIVE {
+                return [0.0; 4];
+            }
+            // Where the feet of p₂ and p₄ lie along the edge, from p₃.
+            let (t2, t4) = ((p3 - p2).dot(edge), (p3 - p4).dot(edge));
+            let (s2, s4) = ((p2 - p1).dot(edge), (p4 - p1).dot(edge));
+            [
+                -(a4 * t2 + a2 * t4) / scale,
+                a4 / (a2 + a4),
+                -(a4 * s2 + a2 * s4) / scale,
+                a2 / (a2 + a4),
+            ]
+        })
     }
 
     /// `Dᵀ values`.
     pub(super) fn transpose(&self, weights: &[[f64; 4]], values: &[DVec3]) -> Vec<DVec3> {
-        (0..self.offsets.len() - 1)
-            .into_par_iter()
-            .map(|v| self.at(v).map(|(e, k)| weights[e][k] * values[e]).sum())
-            .collect()
+        parallel::map(self.offsets.len() - 1, 64, |v| {
+            self.at(v).map(|(e, k)| weights[e][k] * values[e]).sum()
+        })
     }
 }
 
