@@ -2,8 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Range;
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::distance::tree;
 use crate::error::EvaluationError;
@@ -101,20 +101,16 @@ fn one_sided(
     let parts = MAX_PARTS / mesh.face_count() + MIN_PARTS;
     let watch = fairing_watch::current();
     watch.stage("Hausdorff distance", mesh.face_count() as u64);
-    let bounds: Vec<[f64; 2]> = (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(256)
-        .map(|f| {
-            watch.advance(1);
-            let ids = mesh.faces()[f];
-            let part = Part {
-                corners: mesh.triangle(f).map(DVec3::from),
-                distances: ids.map(|v| closest[v as usize].distance),
-                near: ids.map(|v| closest[v as usize].face),
-            };
-            refine(part, other, surface, reached, tolerance, parts)
-        })
-        .collect();
+    let bounds: Vec<[f64; 2]> = parallel::map(mesh.face_count(), 256, |f| {
+        watch.advance(1);
+        let ids = mesh.faces()[f];
+        let part = Part {
+            corners: mesh.triangle(f).map(DVec3::from),
+            distances: ids.map(|v| closest[v as usize].distance),
+            near: ids.map(|v| closest[v as usize].face),
+        };
+        refine(part, other, surface, reached, tolerance, parts)
+    });
     let [lower, upper] = bounds.iter().fold([reached; 2], |[l, u], b| [l.max(b[0]), u.max(b[1])]);
     Hausdorff { lower, upper }
 }

@@ -3,8 +3,8 @@
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::mean_curvature;
 use fairing_operators::{LumpedArea, lumped_mass};
+use fairing_watch::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::correspondence::in_one_winding;
 use crate::error::EvaluationError;
@@ -35,16 +35,12 @@ pub struct NormalAngles {
 /// [`EvaluationError::NoFaces`] if none has a normal in both.
 pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalAngles, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
-    let angles: Vec<Option<[f64; 2]>> = (0..mesh.face_count())
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|f| {
-            let [own, area] = [&mesh, &reference].map(|mesh| DVec3::from(mesh.area_vector(f)));
-            // Unit vectors: products of areas are fourth powers of lengths.
-            let (m, n) = (own.try_normalize()?, area.try_normalize()?);
-            Some([libm::atan2(m.cross(n).length(), m.dot(n)).to_degrees(), area.length()])
-        })
-        .collect();
+    let angles: Vec<Option<[f64; 2]>> = parallel::map(mesh.face_count(), 4096, |f| {
+        let [own, area] = [&mesh, &reference].map(|mesh| DVec3::from(mesh.area_vector(f)));
+        // Unit vectors: products of areas are fourth powers of lengths.
+        let (m, n) = (own.try_normalize()?, area.try_normalize()?);
+        Some([libm::atan2(m.cross(n).length(), m.dot(n)).to_degrees(), area.length()])
+    });
     let (mut sum, mut weighted, mut area, mut count) = (0.0, 0.0, 0.0, 0usize);
     let (mut max, mut worst) = (-1.0, 0);
     for (f, angle) in angles.iter().enumerate() {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use fairing_mesh::{EXTENTS, TriMesh};
 use fairing_parameters::ParameterError;
+use fairing_watch::parallel;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -210,10 +211,13 @@ impl Camera {
 
     /// The depth of each pixel, row by row; infinite where it sees nothing.
     fn depths(&self, mesh: &TriMesh) -> Vec<f64> {
-        let local: Vec<DVec3> = mesh.positions().par_iter().map(|&p| self.local(p)).collect();
+        let local: Vec<DVec3> = parallel::map(mesh.positions().len(), 64, |i| {
+            let p = mesh.positions()[i];
+            self.local(p)
+        });
         let corners = |f: usize| mesh.faces()[f].map(|v| local[v as usize]);
         let windows: Vec<Option<[Range<usize>; 2]>> =
-            (0..mesh.face_count()).into_par_iter().map(|f| self.window(corners(f))).collect();
+            parallel::map(mesh.face_count(), 64, |f| self.window(corners(f)));
         let mut depths = vec![f64::INFINITY; self.columns * self.rows];
         depths.par_chunks_mut(ROWS * self.columns).enumerate().for_each(|(task, part)| {
             let own = task * ROWS..(task + 1) * ROWS;

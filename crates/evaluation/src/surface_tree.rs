@@ -15,6 +15,7 @@
 use std::ops::Range;
 
 use fairing_mesh::{TriMesh, hilbert};
+use fairing_watch::parallel;
 use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
@@ -207,9 +208,14 @@ impl SurfaceTree {
             })
             .collect();
         order.par_sort_unstable();
-        let faces: Vec<u32> = order.par_iter().with_min_len(4096).map(|o| o.1).collect();
-        let triangles: Vec<[DVec3; 3]> =
-            faces.par_iter().with_min_len(4096).map(|&f| triangle(f)).collect();
+        let faces: Vec<u32> = parallel::map(order.len(), 4096, |i| {
+            let o = &order[i];
+            o.1
+        });
+        let triangles: Vec<[DVec3; 3]> = parallel::map(faces.len(), 4096, |i| {
+            let f = faces[i];
+            triangle(f)
+        });
 
         let mut levels: Vec<Vec<Quad>> = vec![
             triangles
@@ -281,12 +287,10 @@ impl SurfaceTree {
     /// one is a good hint for the next and both need the same parts of the
     /// tree.
     fn search_all(&self, points: &[[f64; 3]]) -> Vec<(u32, u32, f64)> {
-        let mut order: Vec<(u64, u32)> = points
-            .par_iter()
-            .with_min_len(4096)
-            .enumerate()
-            .map(|(i, &p)| (hilbert(self.frame.to_tree(p.into())), i as u32))
-            .collect();
+        let mut order: Vec<(u64, u32)> = parallel::map(points.len(), 4096, |i| {
+            let p = points[i];
+            (hilbert(self.frame.to_tree(p.into())), i as u32)
+        });
         order.par_sort_unstable();
         order
             .par_chunks(CHUNK)

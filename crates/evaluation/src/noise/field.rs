@@ -2,6 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{NormalWeight, weighted_vertex_normals};
+use fairing_watch::parallel;
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -88,15 +89,12 @@ pub(super) fn waves(mesh: &TriMesh, length: f64, rng: &mut ChaCha8Rng) -> Vec<f6
         })
         .collect();
     let low = DVec3::from(low);
-    mesh.positions()
-        .par_iter()
-        .with_min_len(64)
-        .map(|&p| {
-            let q = (DVec3::from(p) - low) / unit;
-            let sum: f64 = waves.iter().map(|(wave, phase)| libm::cos(wave.dot(q) + phase)).sum();
-            sum * (2.0 / WAVES as f64).sqrt()
-        })
-        .collect()
+    parallel::map(mesh.positions().len(), 64, |i| {
+        let p = mesh.positions()[i];
+        let q = (DVec3::from(p) - low) / unit;
+        let sum: f64 = waves.iter().map(|(wave, phase)| libm::cos(wave.dot(q) + phase)).sum();
+        sum * (2.0 / WAVES as f64).sqrt()
+    })
 }
 
 /// The displacements for σ = 1 of a noise along the normals.

@@ -6,6 +6,7 @@
 //! vertex order, so that positions can be shown without a copy.
 
 use fairing_mesh::{BuildError, TriMesh};
+use fairing_watch::parallel;
 use rayon::prelude::*;
 
 /// The working copy of a mesh, and its vertex order.
@@ -30,7 +31,10 @@ impl Arrangement {
         for (new, &old) in order.iter().enumerate() {
             place[old as usize] = new as u32;
         }
-        let positions = order.par_iter().map(|&old| mesh.positions()[old as usize]).collect();
+        let positions = parallel::map(order.len(), 64, |i| {
+            let old = order[i];
+            mesh.positions()[old as usize]
+        });
         let faces = sorted_faces(mesh.faces(), &place);
         Ok(Self { mesh: TriMesh::new(positions, faces)?, order: Some(order) })
     }
@@ -86,8 +90,10 @@ fn slab_order(mesh: &TriMesh) -> Vec<u32> {
         slab << 20 | a << 1 | b
     };
     // Slab and cell in the high bits, vertex number in the low bits: no two keys are equal.
-    let mut keyed: Vec<u64> =
-        mesh.positions().par_iter().enumerate().map(|(v, p)| key(p) << 32 | v as u64).collect();
+    let mut keyed: Vec<u64> = parallel::map(mesh.positions().len(), 64, |v| {
+        let p = &mesh.positions()[v];
+        key(p) << 32 | v as u64
+    });
     keyed.par_sort_unstable();
     keyed.into_par_iter().map(|k| k as u32).collect()
 }

@@ -6,7 +6,7 @@ use fairing_operators::{
 };
 use fairing_sparse::parallel::CHUNK;
 use fairing_sparse::{GraphLaplacian, SparseMatrix};
-use rayon::prelude::*;
+use fairing_watch::parallel;
 
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
@@ -138,36 +138,33 @@ const MANY_FACES: usize = 64;
 /// vertex `v`.
 fn neighbor_lists(mesh: &TriMesh, fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
     let (n, faces, incidence) = (mesh.vertex_count(), mesh.faces(), mesh.incidence());
-    let pieces: Vec<(Vec<u32>, Vec<u32>)> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let vertices = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
-            let mut lists = Vec::with_capacity(CHUNK * 7);
-            let mut lengths = Vec::with_capacity(CHUNK);
-            for v in vertices {
-                let begin = lists.len();
-                let around = incidence.corners(v as u32);
-                let of = |&corner: &u32| faces[corner as usize / 3];
-                if fixed[v] || around.is_empty() {
-                    lists.push(v as u32);
-                } else if around.len() > MANY_FACES {
-                    let corners = around.iter().flat_map(of);
-                    let mut all: Vec<u32> = corners.filter(|&j| j as usize != v).collect();
-                    all.sort_unstable();
-                    all.dedup();
-                    lists.extend(all);
-                } else {
-                    for j in around.iter().flat_map(of) {
-                        if j as usize != v && !lists[begin..].contains(&j) {
-                            lists.push(j);
-                        }
+    let pieces: Vec<(Vec<u32>, Vec<u32>)> = parallel::map(n.div_ceil(CHUNK), 1, |chunk| {
+        let vertices = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
+        let mut lists = Vec::with_capacity(CHUNK * 7);
+        let mut lengths = Vec::with_capacity(CHUNK);
+        for v in vertices {
+            let begin = lists.len();
+            let around = incidence.corners(v as u32);
+            let of = |&corner: &u32| faces[corner as usize / 3];
+            if fixed[v] || around.is_empty() {
+                lists.push(v as u32);
+            } else if around.len() > MANY_FACES {
+                let corners = around.iter().flat_map(of);
+                let mut all: Vec<u32> = corners.filter(|&j| j as usize != v).collect();
+                all.sort_unstable();
+                all.dedup();
+                lists.extend(all);
+            } else {
+                for j in around.iter().flat_map(of) {
+                    if j as usize != v && !lists[begin..].contains(&j) {
+                        lists.push(j);
                     }
                 }
-                lengths.push((lists.len() - begin) as u32);
             }
-            (lists, lengths)
-        })
-        .collect();
+            lengths.push((lists.len() - begin) as u32);
+        }
+        (lists, lengths)
+    });
     let mut offsets = Vec::with_capacity(n + 1);
     let mut neighbors = Vec::with_capacity(pieces.iter().map(|(lists, _)| lists.len()).sum());
     let mut end = 0;
