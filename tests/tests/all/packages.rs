@@ -178,7 +178,7 @@ fn curvature_on_waves_is_that_of_the_table() {
     says(
         &page,
         &format!(
-            "of a coarse one the error of K became {} times as large",
+            "on a coarse one the error of K became {} times as large",
             shown(largest(&change))
         ),
     );
