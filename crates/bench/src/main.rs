@@ -5,6 +5,7 @@ mod files;
 mod fresh;
 mod harmonic;
 mod hubs;
+mod leaderboard;
 mod operators;
 mod page;
 mod smoothing;
@@ -30,7 +31,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[command(name = "bench", bin_name = "cargo xtask bench", version, about)]
 struct Bench {
     /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md,
-    /// `hubs` times all verbs of the program on meshes with a vertex of thousands of faces.
+    /// `hubs` times all verbs of the program on meshes with a vertex of thousands of faces,
+    /// `leaderboard` prints tables of k-harmonic systems in the form of sparse-solver-benchmark.
     /// Without a task, the tasks are listed
     task: Option<String>,
     /// The mesh
@@ -52,7 +54,8 @@ struct Bench {
     /// Curvature estimator of the task principal
     #[arg(long, default_value = "quadric")]
     estimator: String,
-    /// Number of eigenpairs, or the order of the task harmonic
+    /// Number of eigenpairs, or the system of the task harmonic: of order 1, 2, 3, or mixed
+    /// biharmonic (4) or triharmonic (5)
     #[arg(long, default_value_t = 15)]
     k: usize,
     /// The step
@@ -124,7 +127,7 @@ const ALL: &[Task] = &[
     ),
     Task::new(
         "harmonic",
-        "(Wᵏ + M) u = M x, of order --k 1, 2 or 3: factorise, solve, refine",
+        "(Wᵏ + M) u = M x, also mixed, by --k: factorise, solve, correct",
         harmonic::harmonic,
     ),
     Task::new("denoise", "the automatic denoiser", smoothing::denoise),
@@ -151,6 +154,7 @@ fn run(options: Bench) -> Result<()> {
         println!("{:<22} builds from an empty target folder", "build");
         println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
         println!("{:<22} all verbs on fans, stars, cones and combs of n and 4 n triangles", "hubs");
+        println!("{:<22} k-harmonic systems on a mesh, beside CHOLMOD and Eigen", "leaderboard");
         for task in ALL {
             println!("{:<22} {}", task.name, task.about);
         }
@@ -161,6 +165,10 @@ fn run(options: Bench) -> Result<()> {
     }
     if task == "hubs" {
         return hubs::run();
+    }
+    if task == "leaderboard" {
+        let input = options.input.as_deref().context("missing input mesh: --in FILE")?;
+        return leaderboard::run(input, options.repeat);
     }
     if options.once {
         return once(&task, &options);

@@ -345,7 +345,7 @@ fn picture(rows: &[Row]) -> Result<String> {
 }
 
 /// Processors and threads, in the words of the system.
-fn machine() -> String {
+pub(crate) fn machine() -> String {
     let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':'));
     let name = name.map_or("a processor that the system does not name", |(_, name)| name.trim());

@@ -89,6 +89,17 @@ impl Ldlt {
         x
     }
 
+    /// X with A X = B for points, one in a row: `n × 3`.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `b` has another length than A has rows.
+    pub fn solve_points(&self, b: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut x = b.to_vec();
+        self.factor.solve_points(&mut x);
+        x
+    }
+
     /// `b` ← A⁻¹ b for an `n × k` block.
     ///
     /// # Panics
