@@ -12,7 +12,7 @@ use fairing_mesh::io;
 use serde_json::Value;
 
 use crate::fresh::Fresh;
-use crate::harmonic::{Equations, SYSTEMS};
+use crate::harmonic::{Equations, SYSTEMS, Stored};
 use crate::page::machine;
 use crate::task::Stopwatch;
 
@@ -50,7 +50,7 @@ pub(crate) fn run(input: &Path, repeat: usize) -> Result<()> {
         let ours = || ours(input, k + 1);
         let mut rows = vec![("Fairing".to_owned(), best(repeat, ours))];
         if let Ok(program) = &peers {
-            let equations = Equations::new(&mesh, system, &mut Stopwatch::default())?;
+            let equations = Equations::new(&mesh, system, &mut Stopwatch::default())?.stored()?;
             let path = folder.join("system");
             write(&equations, &path)?;
             for (method, words) in PEERS {
@@ -127,7 +127,7 @@ fn compiled(folder: &Path) -> Result<PathBuf> {
 }
 
 /// Writes the matrix and the right-hand sides as the program reads them.
-fn write(equations: &Equations, path: &Path) -> Result<()> {
+fn write(equations: &Stored, path: &Path) -> Result<()> {
     let matrix = &equations.matrix;
     let mut file = BufWriter::new(File::create(path)?);
     file.write_all(&(matrix.rows() as u64).to_ne_bytes())?;
@@ -155,7 +155,7 @@ fn peer(
     program: &Path,
     method: &str,
     path: &Path,
-    equations: &Equations,
+    equations: &Stored,
     versions: &mut Option<String>,
 ) -> Result<[f64; 3]> {
     let mut command = Command::new(program);
