@@ -346,6 +346,9 @@ IMPLICIT: list[Case] = [
     ("explicit", lambda s: explicit(s, s.uniform(), LAM, 3), "mistake", "explicit"),
     ("one step too many", lambda s: implicit(s, s.uniform(), LAM, 4),
      "mistake", "one step too many"),
+    ("transposed", lambda s: implicit(s, s.uniform().T, LAM, 3), "mistake", "transposed"),
+    ("nothing moved", lambda s: s.v, "mistake", "nothing was moved"),
+    ("axes", lambda s: implicit(s, s.uniform(), LAM, 3)[:, [0, 2, 1]], "mistake", "axes in the order xzy"),
 ]  # fmt: skip
 
 

@@ -376,6 +376,15 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3:
         return None
     given, ours, tolerance = parts
+    for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
+        for flip in (1.0, -1.0):
+            turned = ours[:, list(order)] * [1.0, flip, 1.0]
+            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(case, trial, mask):
+                return Convention(
+                    f"axes in the order {''.join('xyz'[k] for k in order)}",
+                    "a file of another tool",
+                    {},
+                )
     good = [(np.abs(given[:, k] - ours[:, k]) <= tolerance).all() for k in range(3)]
     if any(g and np.ptp(x) > 0 for g, x in zip(good, ours.T)) and not all(good):
         names = "xyz"
@@ -389,15 +398,6 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
             "a coordinate is not moved" if still else "one coordinate",
             {},
         )
-    for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
-        for flip in (1.0, -1.0):
-            turned = ours[:, list(order)] * [1.0, flip, 1.0]
-            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(case, trial, mask):
-                return Convention(
-                    f"axes in the order {''.join('xyz'[k] for k in order)}",
-                    "a file of another tool",
-                    {},
-                )
     return None
 
 
