@@ -34,8 +34,8 @@ def mean_curvature(mesh: Mesh, H: Any, weights: Weights = "cotangent") -> Report
     """
     values = _inputs.loaded(H, "H")
     table, conventions = [], _pointwise.MEAN
-    if values.shape == (mesh.n_vertices, 3):
-        values = np.linalg.norm(values, axis=1)
+    if values.shape in ((mesh.n_vertices, 3), (3, mesh.n_vertices)):
+        values = np.linalg.norm(_inputs.vectors(values, mesh, "H"), axis=1)
         table.append(("vectors", "judged by their length"))
         vector = _pointwise.usual("the vector 2Hn", "Δx = -2Hn in place of H", factor=2.0)
         conventions = (vector, *conventions)
