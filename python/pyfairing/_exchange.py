@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core, _fields
-from ._arrays import Floats, Indices
+from ._arrays import Indices
 from ._calls import call, warn
-from ._results import Curvature
 
 if TYPE_CHECKING:
     from ._mesh import Mesh
@@ -185,19 +184,6 @@ def _made(
         core = _core.from_polygons(positions, *_arrays.polygons(corners, sizes), call())
     of_faces = {name: np.repeat(np.asarray(values), sizes - 2, axis=0) for name, values in of_cells.items()}
     return core, _fields.kept(fields, len(positions), "vertex"), of_faces
-
-
-def curvature_of_vtk(c: Curvature) -> dict[str, Floats]:
-    """Curvature by the names of `vtkCurvatures`, and the principal directions."""
-    data = {
-        "Mean_Curvature": c.mean,
-        "Gauss_Curvature": c.gaussian,
-        "Maximum_Curvature": c.kappa1,
-        "Minimum_Curvature": c.kappa2,
-    }
-    if c.direction1 is not None and c.direction2 is not None:
-        data |= {"Maximum_Direction": c.direction1, "Minimum_Direction": c.direction2}
-    return data
 
 
 def _required(name: str) -> Any:
