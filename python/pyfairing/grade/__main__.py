@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 from .._mesh import read
@@ -49,16 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--axes", type=float, nargs=3, default=(3, 2, 1), help="half-axes of q2 (3 2 1)"
     )
     given = parser.parse_args(arguments)
-    options = Options(
-        given.k,
-        given.lam,
-        given.time,
-        given.iterations,
-        given.weights,
-        given.truth,
-        given.mass,
-        tuple(given.axes),
-    )
+    options = Options(**{field.name: getattr(given, field.name) for field in fields(Options)})
     judge, answer = judges(options)[given.question], Path(given.answer)
     try:
         mesh = read(given.mesh)

@@ -6,7 +6,6 @@ import csv
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -99,7 +98,7 @@ def judges(options: Options) -> dict[str, Judge]:
         "q1": _curvature,
         "q2": forms,
         "q3": mean_curvature,
-        "q4": partial(_with_k, options.k),
+        "q4": lambda mesh, source: reconstruction(mesh, source, options.k),
         "q5": lambda mesh, source: smoothed(mesh, source, "explicit", **steps),
         "q6": lambda mesh, source: smoothed(mesh, source, "implicit", **steps),
         "q7": truth,
@@ -112,10 +111,6 @@ def judges(options: Options) -> dict[str, Judge]:
         "eigenvalues": eigenvalues,
         "modes": modes,
     }
-
-
-def _with_k(k: int, mesh: Mesh, source: Any) -> Report:
-    return reconstruction(mesh, source, k)
 
 
 def graded(judge: Judge, mesh: Mesh, source: Any) -> Report:

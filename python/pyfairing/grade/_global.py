@@ -92,9 +92,7 @@ def modes(mesh: Mesh, phi: Any) -> Report:
         turned
     ):
         twin = _pointwise.slip("dependent modes", "a mode appears twice, or is 0")
-        return joined(
-            report, "mistake", "mistake: dependent modes", (*report.conventions, twin), ()
-        )
+        return joined(report, "mistake", "mistake: dependent modes", (*report.conventions, twin))
     scale, convention = _spectra.lengths(facts, turned)
     if convention is None or report.status == "mistake":
         return joined(
@@ -143,14 +141,8 @@ def reconstruction(mesh: Mesh, vertices: Any, k: int) -> Report:
         )
     report = judge(case)
     if cut and report.status != "right":
-        return joined(
-            report,
-            "unexplained",
-            f"not determined: {k} modes split equal eigenvalues "
-            f"(take k = {good}); {report.verdict}",
-            report.conventions,
-            (),
-        )
+        text = f"not determined: {k} modes split equal eigenvalues (take k = {good})"
+        return joined(report, "unexplained", f"{text}; {report.verdict}", report.conventions)
     return report
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
@@ -90,20 +91,9 @@ def _quotient(case: Case, report: Report) -> Report:
             continue
         same_signs = (np.sign(case.given[clear]) == np.sign(defect[clear])).all()
         if same_signs and np.ptp(np.sign(defect[clear])) > 0:
-            found = Convention(
-                "wrong area", "the signs are right, the area is none of the known ones", {}
-            )
-            return Report(
-                case.quantity,
-                "mistake",
-                "mistake: wrong area under the right angle defect",
-                (found,),
-                report.largest,
-                report.rms,
-                report.tolerance,
-                report.vertex,
-                report.table,
-            )
+            where = "the signs are right, the area is none of the known ones"
+            words = "mistake: wrong area under the right angle defect"
+            return joined(report, "mistake", words, (Convention("wrong area", where, {}),))
     return report
 
 
@@ -288,16 +278,8 @@ def joined(
     status: Any,
     verdict: str,
     names: tuple[Convention, ...],
-    rows: tuple[tuple[str, str], ...],
+    rows: tuple[tuple[str, str], ...] = (),
 ) -> Report:
-    return Report(
-        report.quantity,
-        status,
-        verdict,
-        names,
-        report.largest,
-        report.rms,
-        report.tolerance,
-        report.vertex,
-        report.table + rows,
-    )
+    """The report with another verdict and more rows."""
+    table = report.table + rows
+    return replace(report, status=status, verdict=verdict, conventions=names, table=table)
