@@ -58,5 +58,7 @@ def test_sheet_of_the_course(path: Path, tmp_path: Path) -> None:
     solution = read(path.parent / "solutions" / path.name)
     run(solution, tmp_path)
     printed = "".join(o.get("text", "") for cell in solution.cells for o in cell.get("outputs", []))
-    verdicts = [line for line in printed.splitlines() if line.startswith(("right", "mistake", "wrong", "no "))]
+    verdicts = [
+        line for line in printed.splitlines() if line.startswith(("right", "mistake", "wrong", "no "))
+    ]
     assert verdicts and all(line.startswith("right") for line in verdicts), printed

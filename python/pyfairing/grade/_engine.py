@@ -120,11 +120,7 @@ def attempt(case: Case, conventions: tuple[Convention, ...]) -> Trial | None:
 
 
 def compared(
-    case: Case,
-    conventions: tuple[Convention, ...],
-    values: Any,
-    size: Any,
-    free: Bools | None = None,
+    case: Case, conventions: tuple[Convention, ...], values: Any, size: Any, free: Bools | None = None
 ) -> Trial:
     with np.errstate(all="ignore"):
         if hasattr(values, "tocsr") or values.ndim < 2:
@@ -141,9 +137,7 @@ def compared(
         good = (difference <= tolerance) & np.isfinite(tolerance)
         relative = difference / (own + 1e-3 * np.median(own) + 1e-300)
         median = float(np.median(np.nan_to_num(relative[case.rows], nan=np.inf)))
-    return Trial(
-        conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median
-    )
+    return Trial(conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median)
 
 
 def combined(case: Case, count: int) -> Iterator[Trial]:
@@ -266,9 +260,7 @@ def said(trial: Trial) -> str:
 
 def accused(conventions: tuple[Convention, ...]) -> str:
     """Mistakes with their places, then the conventions beside them."""
-    faults = " and ".join(
-        f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault
-    )
+    faults = " and ".join(f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault)
     plain = naming(tuple(c for c in conventions if not c.fault))
     return f"mistake: {faults}" + (f"; by convention: {plain}" if plain != "our formula" else "")
 

@@ -64,9 +64,7 @@ def _operator(
         matrix = laplacian(base, weights=weights, scaled="own", diagonal=mean)[0]
         return matrix if scaled == "left" else matrix.T.tocsr()
     if base is moved or scaled != "left":
-        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[
-            0
-        ]
+        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[0]
     return base.diagonal(1 / (area_factor * moved.area(area))) @ base.stiffness(weights)
 
 

@@ -69,12 +69,7 @@ def judges(options: Options) -> dict[str, Judge]:
     """The judge of each question, by the names of the command."""
     weights: Any = options.weights or "uniform"
     of_matrix: Any = options.weights or "cotangent"
-    steps = {
-        "lam": options.lam,
-        "time": options.time,
-        "iterations": options.iterations,
-        "weights": weights,
-    }
+    steps = {"lam": options.lam, "time": options.time, "iterations": options.iterations, "weights": weights}
 
     def truth(mesh: Mesh, source: Any) -> Report:
         if options.truth is None:

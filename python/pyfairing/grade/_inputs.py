@@ -48,8 +48,7 @@ def loaded(source: Any, name: str = "the answer") -> Any:
         return _of_mesh(path, key, name)
     if ending not in ARRAYS:
         raise OptionError(
-            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh"
-            f" ({', '.join(MESHES)})"
+            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh" f" ({', '.join(MESHES)})"
         )
     try:
         found = _from_file(path, ending, key, name)
@@ -58,11 +57,7 @@ def loaded(source: Any, name: str = "the answer") -> Any:
     except Exception as error:
         # The readers of numpy and scipy raise errors of any kind for broken files.
         raise OptionError(f"{path} cannot be read: {error}") from error
-    return (
-        found.tocsr().astype(np.float64)
-        if hasattr(found, "tocsr")
-        else _numbers(np.asarray(found), text)
-    )
+    return found.tocsr().astype(np.float64) if hasattr(found, "tocsr") else _numbers(np.asarray(found), text)
 
 
 def _from_file(path: str, ending: str, key: str, name: str) -> Any:
@@ -103,9 +98,7 @@ def _text(path: str) -> Any:
             rows.append([float(word.strip('"[]()')) for word in words])
         except ValueError as error:
             if rows:
-                raise OptionError(
-                    f"{path}, line {number}: {line.strip()[:40]!r} is no number"
-                ) from error
+                raise OptionError(f"{path}, line {number}: {line.strip()[:40]!r} is no number") from error
     if not rows:
         raise OptionError(f"{path} holds no numbers")
     widths = {len(row) for row in rows}
@@ -217,9 +210,7 @@ def vectors(source: Any, mesh: Mesh, name: str, width: int = 3) -> Floats:
     words = _shape_in_words(values.shape, mesh)
     if values.shape == (mesh.n_faces, 3):
         words = f"has the shape {values.shape}, one row per face"
-    raise OptionError(
-        f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})"
-    )
+    raise OptionError(f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})")
 
 
 def square(source: Any, mesh: Mesh, name: str) -> Any:
@@ -230,19 +221,10 @@ def square(source: Any, mesh: Mesh, name: str) -> Any:
     n = mesh.n_vertices
     if values.shape == (n, n):
         return csr_matrix(values)
-    if (
-        values.ndim == 2
-        and values.shape[1] == 3
-        and values.shape[0] > n
-        and not hasattr(values, "tocsr")
-    ):
+    if values.ndim == 2 and values.shape[1] == 3 and values.shape[0] > n and not hasattr(values, "tocsr"):
         rows, columns = (np.rint(values[:, k]).astype(np.int64) for k in (0, 1))
-        first = (
-            1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
-        )
-        if (values[:, :2] == np.rint(values[:, :2])).all() and max(
-            rows.max(), columns.max()
-        ) < n + first:
+        first = 1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
+        if (values[:, :2] == np.rint(values[:, :2])).all() and max(rows.max(), columns.max()) < n + first:
             return csr_matrix((values[:, 2], (rows - first, columns - first)), shape=(n, n))
     words = _shape_in_words(values.shape, mesh)
     raise OptionError(f"{name} {words}; a matrix of ({n}, {n}) is needed")

@@ -81,10 +81,7 @@ def check(
             continue
         difference = _difference(name, plain, answer, new, mesh.boundary_vertices)
         rows.append(
-            (
-                name,
-                "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size",
-            )
+            (name, "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size")
         )
         if difference > 1.0:
             found.append(Convention(*REASONS[name], {}))

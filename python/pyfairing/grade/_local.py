@@ -43,14 +43,7 @@ def mean_curvature(mesh: Mesh, H: Any, weights: Weights = "cotangent") -> Report
     formula = partial(_pointwise.mean_curvature, weights=weights)
     name = f"mean curvature H ({weights} weights)"
     return judge(
-        Case(
-            name,
-            _inputs.scalars(values, mesh, "H"),
-            Facts(mesh),
-            formula,
-            conventions,
-            table=table,
-        )
+        Case(name, _inputs.scalars(values, mesh, "H"), Facts(mesh), formula, conventions, table=table)
     )
 
 
@@ -66,11 +59,7 @@ def gaussian_curvature(mesh: Mesh, K: Any) -> Report:
     """
     values = _inputs.scalars(K, mesh, "K")
     case = Case(
-        "Gaussian curvature K",
-        values,
-        Facts(mesh),
-        _pointwise.gaussian_curvature,
-        _pointwise.GAUSSIAN,
+        "Gaussian curvature K", values, Facts(mesh), _pointwise.gaussian_curvature, _pointwise.GAUSSIAN
     )
     report = judge(case)
     if report.status != "unexplained":
@@ -84,9 +73,7 @@ def _quotient(case: Case, report: Report) -> Report:
     for edge in (np.pi, 2 * np.pi):
         defect, size = _pointwise.gaussian_curvature(case.facts, edge=edge, measure="integrated")
         clear = case.rows & (np.abs(defect) > 1e-5 * size)
-        first, second = (
-            np.argsort(np.argsort(np.abs(x[clear]))) for x in (defect, case.given / defect)
-        )
+        first, second = (np.argsort(np.argsort(np.abs(x[clear]))) for x in (defect, case.given / defect))
         if clear.sum() < 9 or abs(np.corrcoef(first, second)[0, 1]) > 0.5:
             continue
         same_signs = (np.sign(case.given[clear]) == np.sign(defect[clear])).all()
@@ -124,9 +111,7 @@ def principal_curvatures(mesh: Mesh, kappa: Any) -> Report:
             for area in ("mixed", "voronoi", "barycentric"):
                 H = _pointwise.mean_curvature(facts, area=area, **change)[0]
                 K = _pointwise.gaussian_curvature(facts, area=area)[0]
-                case.masks[f"where H² < K{words}{', ' + area if area != 'mixed' else ''}"] = (
-                    H**2 < K
-                )
+                case.masks[f"where H² < K{words}{', ' + area if area != 'mixed' else ''}"] = H**2 < K
     return judge(case)
 
 
@@ -183,9 +168,7 @@ def _mass(facts: Facts, M: Any) -> Report:
             return judge(Case("mass matrix M", matrix, facts, _consistent, CONSISTENT))
         values = diagonal
     values = _inputs.scalars(values, facts.mesh, "M")
-    return judge(
-        Case("mass M", values, facts, _pointwise.mass, _pointwise.MASS, per_corner=corners)
-    )
+    return judge(Case("mass M", values, facts, _pointwise.mass, _pointwise.MASS, per_corner=corners))
 
 
 def _consistent(facts: Facts, *, factor: float = 1.0) -> _engine.Answer:
@@ -227,11 +210,7 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         return judge(case)
     of_mass = _mass(facts, M)
     masses = _inputs.loaded(M, "M")
-    masses = (
-        masses.diagonal()
-        if masses.shape == (facts.n, facts.n)
-        else _inputs.scalars(masses, mesh, "M")
-    )
+    masses = masses.diagonal() if masses.shape == (facts.n, facts.n) else _inputs.scalars(masses, mesh, "M")
     report = judge(case)
     rows: tuple[tuple[str, str], ...] = (("L", report.verdict), ("M", of_mass.verdict))
     if of_mass.quantity == "mass M" and np.isfinite(masses).all() and (masses != 0).all():
@@ -249,23 +228,12 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
             both = _pointwise.usual(f"S and M both times {c:.4g}", "the factors cancel in M⁻¹ S")
             names = (both, *whole.conventions)
             return joined(
-                whole,
-                "convention",
-                f"right by another convention: {_engine.naming(names)}",
-                names,
-                rows,
+                whole, "convention", f"right by another convention: {_engine.naming(names)}", names, rows
             )
     if report.right and of_mass.right:
-        conventions = (
-            *report.conventions,
-            *(c for c in of_mass.conventions if c not in report.conventions),
-        )
+        conventions = (*report.conventions, *(c for c in of_mass.conventions if c not in report.conventions))
         kind = "convention" if "convention" in (report.status, of_mass.status) else "right"
-        words = (
-            f"right by another convention: {_engine.naming(conventions)}"
-            if conventions
-            else "right"
-        )
+        words = f"right by another convention: {_engine.naming(conventions)}" if conventions else "right"
         return joined(report, kind, words, conventions, rows)
     wrong = report if not report.right else of_mass
     names = report.conventions + of_mass.conventions

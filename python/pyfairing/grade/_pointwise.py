@@ -100,9 +100,7 @@ def mean_curvature(
             values = np.abs(values)
         return bordered(facts, factor * values, border), np.abs(factor) * size
     key = ("vector", weights, area, area_factor, measure, side)
-    vector, size = facts.remember(
-        key, lambda: _vector(facts, weights, area, area_factor, measure, side)
-    )
+    vector, size = facts.remember(key, lambda: _vector(facts, weights, area, area_factor, measure, side))
     values = bordered(facts, factor * _read(facts, vector, read, normal), border)
     if read not in ("signed", "uniform sign", "one component", "any component"):
         return values, np.abs(factor) * size
@@ -362,12 +360,7 @@ MASS = (
 
 
 def vertex_normals(
-    facts: Facts,
-    *,
-    weight: str = "area",
-    length: str = "unit",
-    factor: float = 1.0,
-    border: str = "",
+    facts: Facts, *, weight: str = "area", length: str = "unit", factor: float = 1.0, border: str = ""
 ) -> Answer:
     """Outward unit normals, and variants; (n, 3)."""
     if weight == "mean curvature":

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-Status: TypeAlias = Literal[
-    "right", "convention", "border", "obtuse", "mistake", "unexplained", "unreadable"
-]
+Status: TypeAlias = Literal["right", "convention", "border", "obtuse", "mistake", "unexplained", "unreadable"]
 
 
 @dataclass(frozen=True)

@@ -140,9 +140,7 @@ def modes(
         raise ValueError("too few vertices")
     _, phi, clusters = pairs(facts, first + k, weights, mass)
     m = mass_of(facts, mass)
-    weight = facts.area(
-        "barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed")
-    )
+    weight = facts.area("barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed"))
     column = given[::-1].T if order == "descending" else given.T
     # Modes that were not mapped back are M^scale φ.
     own = column * weight[:, None] ** -scale if scale else column
@@ -186,9 +184,7 @@ def lengths(facts: Facts, given: Floats) -> tuple[str, Convention | None]:
     ):  # fmt: skip
         if (np.abs(weighted - wanted) < 1e-3 * wanted).all():
             return name, convention
-    return "of no common length (the scale of a mode is free)", same(
-        "scaled", "the scale of each mode"
-    )
+    return "of no common length (the scale of a mode is free)", same("scaled", "the scale of each mode")
 
 
 def reconstruction(
