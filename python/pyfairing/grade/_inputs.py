@@ -108,13 +108,12 @@ def _text(path: str) -> Any:
 
 
 def _chosen(arrays: dict[str, Any], path: str, key: str, name: str, what: str = "array") -> Any:
+    if not arrays:
+        raise OptionError(f"{path} has no {what} of numbers for {name}")
     if key and key not in arrays:
-        raise OptionError(f"{path} has no {what} {key}, but {', '.join(arrays) or 'none'}")
+        raise OptionError(f"{path} has no {what} {key}, but {', '.join(arrays)}")
     if not key and len(arrays) != 1 and name not in arrays:
-        raise OptionError(
-            f"{path} has {_plural(len(arrays), what)}: choose one, as in"
-            f" {path}:{next(iter(arrays), name)}"
-        )
+        raise OptionError(f"{path} has {len(arrays)} {what}s: choose one, as in {path}:{next(iter(arrays))}")
     return arrays[key or (name if name in arrays else next(iter(arrays)))]
 
 

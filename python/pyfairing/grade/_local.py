@@ -223,8 +223,8 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         )
         whole = judge(quotient)
         rows = (("quotient M⁻¹ L", whole.verdict), *rows)
-        if whole.right and not (report.right and of_mass.right):
-            c = float(np.median(masses) / np.median(facts.area("barycentric")))
+        c = float(np.median(masses) / np.median(facts.area("barycentric")))
+        if whole.right and c > 0 and not (report.right and of_mass.right):
             both = _pointwise.usual(f"S and M both times {c:.4g}", "the factors cancel in M⁻¹ S")
             names = (both, *whole.conventions)
             return joined(

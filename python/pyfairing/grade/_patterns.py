@@ -95,7 +95,8 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
     for words, mask in rows:
         for tests, tried in (
             ((_factor, _field, _signs), simple),
-            ((_rounded, _clipped, _rolled, _affine, _monotone, _columns, _directions, _entries_of), near),
+            ((_rounded,), near),
+            ((_clipped, _rolled, _affine, _monotone, _columns, _directions, _entries_of), near),
         ):
             for trial in tried:
                 for test in tests:
@@ -109,8 +110,9 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
                     return measured(case, trial, kind, text, case.table, (found,))
     if base is None:
         return Report(case.quantity, "unexplained", "no formula applies to this mesh")
-    for found in _structure(case, base):
-        return measured(case, base, "mistake", f"mistake: {found.name}", case.table, (found,))
+    for trial in near:
+        for found in _structure(case, trial):
+            return measured(case, trial, "mistake", f"mistake: {found.name}", case.table, (found,))
     return _places(case, trials)
 
 
@@ -241,17 +243,22 @@ def _signs(case: Case, trial: Trial, mask: Bools) -> Convention | None:
 
 
 def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
-    """Ours, rounded to decimals."""
+    """Ours, rounded to decimals, to digits or to half precision."""
     parts = _entries(case, trial, mask)
     if parts is None:
         return None
-    for digits in range(7):
-        step = 10.0**-digits
-        steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) < step
-        whole_steps = np.abs(steps - np.round(steps)) < 1e-6 * (1 + np.abs(steps))
-        if whole_steps.all() and close.all() and np.ptp(parts[0]) > 0.5 * step:
-            text = f"rounded to {digits} decimals"
-            return Convention(text, "the file, or integers", {}, digits < 2)
+    given, ours, tolerance = parts
+    size = np.maximum(np.abs(given), 1e-300)
+    steps: dict[str, Any] = {f"{d} decimals": 10.0**-d for d in range(7)}
+    steps |= {f"{d} digits": 10.0 ** (np.floor(np.log10(size)) + 1 - d) for d in range(2, 5)}
+    steps["half precision"] = np.maximum(2.0 ** np.floor(np.log2(size)), 2.0**-14) / 2**10
+    off = np.abs(given - ours) - tolerance.reshape(-1, *[1] * (given.ndim - 1))
+    for name, step in steps.items():
+        count = given / step
+        whole_steps = np.abs(count - np.round(count)) < 1e-6 * (1 + np.abs(count))
+        if whole_steps.all() and (off < step).all() and np.ptp(given) > 0.5 * np.min(step):
+            fault = name in ("0 decimals", "1 decimals")
+            return Convention(f"rounded to {name}", "the file, or integers", {}, fault)
     return None
 
 
@@ -405,8 +412,10 @@ def _structure(case: Case, base: Trial) -> Iterator[Convention]:
     if case.per_corner is not None and case.rows.all() and _one_face(case, rough):
         where = "assigned where it must be added: the last face to be visited wins"
         yield Convention("the value of one incident face", where, {})
-    order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (given, ours)]
-    close = (np.abs(given[order[0]] - ours[order[1]]) <= 3 * rough).all()
+    # Signs of numbers may be rounding.
+    one, other = (given, ours) if given.ndim > 1 else (np.abs(given), np.abs(ours))
+    order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (one, other)]
+    close = (np.abs(one[order[0]] - other[order[1]]) <= 3 * rough).all()
     if close and case.what == "vertex" and len(given) > 3 and np.ptp(ours, axis=0).max() > 100 * rough:
         where = "vertices were merged, sorted or renumbered"
         yield Convention("our values in another order", where, {})

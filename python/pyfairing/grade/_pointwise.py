@@ -194,8 +194,8 @@ WEIGHTS = (
 )  # fmt: skip
 
 MEAN = (
-    Convention("length of the vector, with the sign of its part along the normal",
-               "‖½ M⁻¹ S x‖ in place of a scalar product", {"read": "signed"}, fault=False,
+    Convention("signed length of the vector", "‖½ M⁻¹ S x‖ with the sign of the part along the "
+               "normal, in place of that part", {"read": "signed"}, fault=False,
                note=True, base=True),
     same("length of the vector, with a sign by the mean of the neighbours",
          "normal · (mean - vertex)", read="uniform sign"),
