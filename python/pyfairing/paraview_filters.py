@@ -20,6 +20,7 @@ take text, "" for none.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -27,7 +28,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import numpy.typing as npt
-from pyfairing import FairingError, Mesh
+from pyfairing import FairingError, Mesh, OptionError
 from pyfairing._parameters import DENOISER, ESTIMATOR, METHOD, Family
 from pyfairing._results import Curvature
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
@@ -51,13 +52,18 @@ _DISTANCE: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def _value(of: Mapping[str, Any], value: Any) -> Any:
+def _value(of: Mapping[str, Any], value: Any, name: str = "") -> Any:
     """A value as `Mesh` takes it; None for an empty text."""
-    if value is None or value == "":
+    if value is None or isinstance(value, str) and not value.strip():
         return None
-    if of["kind"] == "vertices":
-        return [int(number) for number in str(value).split()]
-    return {"number": float, "count": int, "choice": str}[of["kind"]](value)
+    kind, text = of["kind"], str(value)
+    try:
+        if kind == "vertices":
+            return [int(number) for number in re.sub(r"[\[\](),;]", " ", text).split()]
+        return {"number": float, "count": int, "choice": str}[kind](value)
+    except ValueError:
+        wanted = {"vertices": "numbers of points, such as '3 8'", "count": "a whole number"}
+        raise OptionError(f"{name} is {text!r}, but must be {wanted.get(kind, 'a number')}") from None
 
 
 class _Filter(VTKPythonAlgorithmBase):
@@ -79,7 +85,7 @@ class _Filter(VTKPythonAlgorithmBase):
                     if of["kind"] != "weighted":
                         cls.properties[_camel(f"{method}-{name}")] = (method, name), of
         for name, (key, of) in cls.properties.items():
-            setattr(cls, f"Set{name}", _setter(key, of))
+            setattr(cls, f"Set{name}", _setter(name, key, of))
 
     def __init__(self) -> None:
         VTKPythonAlgorithmBase.__init__(
@@ -113,7 +119,8 @@ class _Filter(VTKPythonAlgorithmBase):
         try:
             self.compute(mesh_of(source), result)
         except FairingError as error:
-            # VTK may lose exceptions.
+            # VTK may lose exceptions, and shows what is there.
+            result.Initialize()
             vtkOutputWindow.GetInstance().DisplayErrorText(f"{self.label}: {error}\n")
             return 0
         return 1
@@ -138,9 +145,9 @@ def _camel(name: str) -> str:
     return "".join(word.capitalize() for word in name.replace("_", "-").split("-"))
 
 
-def _setter(key: _Key, of: Mapping[str, Any]) -> Callable[[_Filter, Any], None]:
+def _setter(name: str, key: _Key, of: Mapping[str, Any]) -> Callable[[_Filter, Any], None]:
     def setter(self: _Filter, value: Any) -> None:
-        if self._values.get(key) != (given := _value(of, value)):
+        if self._values.get(key) != (given := _value(of, value, name)):
             self._values[key] = given
             self.Modified()
 
