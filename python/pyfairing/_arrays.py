@@ -29,7 +29,8 @@ def floats(values: npt.ArrayLike, name: str) -> Floats:
     """An array of float64, converted from other numbers; anything else raises TypeError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be real numbers, not {array.dtype}")
+        given = f"a {type(values).__name__}" if hasattr(values, "toarray") else array.dtype
+        raise TypeError(f"{name} must be real numbers, not {given}")
     return np.asarray(array, dtype=np.float64)
 
 
