@@ -176,11 +176,13 @@ def csr(parts: tuple[Any, Any, Any, tuple[int, int]]) -> Csr:
     return matrix
 
 
-def diagonal(values: Floats) -> Csr:
-    """A diagonal scipy matrix with every entry stored."""
-    n = len(values)
+def mass(given: Any) -> Csr:
+    """A scipy matrix of the extension's parts, or of its diagonal, with every entry stored."""
+    if isinstance(given, tuple):
+        return csr(given)
+    n = len(given)
     starts = np.arange(n + 1, dtype=np.uint32)
-    return csr((starts, starts[:n].copy(), values, (n, n)))
+    return csr((starts, starts[:n].copy(), given, (n, n)))
 
 
 def frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
