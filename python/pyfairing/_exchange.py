@@ -246,12 +246,19 @@ def to_open3d(self: Mesh, *, tensor: bool = False) -> Any:
     open3d.geometry.TriangleMesh or open3d.t.geometry.TriangleMesh
         The former has vertex colours, normals and texture coordinates; a warning names other
         fields. Colours are from 0 to 1.
+
+    Raises
+    ------
+    OptionError
+        For fields named `positions`, `indices`, `normals` or `texture_uvs`, which Open3D has.
     """
     o3d = _required("open3d")
     positions, indices = (o3d.core.Tensor(values.copy()) for values in (self.vertices, self.faces))
     made = o3d.t.geometry.TriangleMesh(positions, indices)
     for data, fields in ((made.vertex, self.fields), (made.triangle, self.face_fields)):
         for name, values in fields.items():
+            if name in ("positions", "indices", *_OPEN3D.values()):
+                raise _core.OptionError(f"Open3D's mesh has {name} of its own: rename the field {name}")
             data[_OPEN3D.get(name, name)] = o3d.core.Tensor(values / 255 if name == "colors" else values)
     if tensor:
         return made

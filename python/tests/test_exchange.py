@@ -149,6 +149,8 @@ def test_meshes_of_open3d(mesh: pf.Mesh) -> None:
     assert pf.Mesh(o3d.t.geometry.TriangleMesh()).n_vertices == 0
     empty = pf.Mesh(V, np.zeros((0, 3), int))
     assert_same(pf.Mesh(empty.to_open3d()), empty)
+    with pytest.raises(pf.OptionError, match="rename the field positions"):
+        mesh.with_fields(positions=np.ones(6)).to_open3d(tensor=True)
 
 
 def test_attributes_of_open3d_suffice(mesh: pf.Mesh) -> None:
