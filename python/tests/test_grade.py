@@ -78,6 +78,7 @@ def test_answers_of_this_package_are_right(shape: str, request: pytest.FixtureRe
 
 def test_reports_are_a_sentence_and_a_table(mesh: pf.Mesh) -> None:
     report = grade.mean_curvature(mesh, -2 * curvature(mesh))
+    assert repr(report) == str(report)
     verdict, empty, *rows = str(report).splitlines()
     assert (
         verdict.startswith("mistake: 2H instead of H (the last ½") and "the other sign" in verdict
