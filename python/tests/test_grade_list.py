@@ -70,6 +70,8 @@ LAPLACIAN: list[Case] = [
 PAIRS: list[Case] = [
     ("compensated", lambda s: (-2 * s.s(), 2 * s.barycentric()), "convention", "both times 2"),
     ("½ missing, not compensated", lambda s: (2 * s.s(), s.barycentric()), "mistake", "½ missing"),
+    ("other sign, whole faces", lambda s: (-s.s(), 3 * s.barycentric()), "mistake",
+     "(in M); L is right by another convention: the other sign"),
     ("negative mass", lambda s: (s.s(), -s.barycentric()), "mistake", "times -1"),
     ("right", lambda s: (s.s(), np.diag(s.barycentric())), "right", ""),
     (

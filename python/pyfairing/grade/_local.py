@@ -237,8 +237,10 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         return joined(report, kind, words, conventions, rows)
     wrong = report if not report.right else of_mass
     names = report.conventions + of_mass.conventions
-    parts = " and ".join(text for text, part in (("L", report), ("M", of_mass)) if not part.right)
-    return joined(wrong, wrong.status, f"{wrong.verdict} (in {parts})", names, rows)
+    both = (("L", report), ("M", of_mass))
+    words = f"{wrong.verdict} (in {' and '.join(text for text, part in both if not part.right)})"
+    words += "".join(f"; {text} is {part.verdict}" for text, part in both if part.status == "convention")
+    return joined(wrong, wrong.status, words, names, rows)
 
 
 def joined(
