@@ -237,9 +237,9 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         return joined(report, kind, words, conventions, rows)
     wrong = report if not report.right else of_mass
     names = report.conventions + of_mass.conventions
-    both = (("L", report), ("M", of_mass))
-    words = f"{wrong.verdict} (in {' and '.join(text for text, part in both if not part.right)})"
-    words += "".join(f"; {text} is {part.verdict}" for text, part in both if part.status == "convention")
+    judged = (("L", report), ("M", of_mass))
+    words = f"{wrong.verdict} (in {' and '.join(text for text, part in judged if not part.right)})"
+    words += "".join(f"; {text} is {part.verdict}" for text, part in judged if part.status == "convention")
     return joined(wrong, wrong.status, words, names, rows)
 
 
