@@ -9,12 +9,11 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import numpy as np
 import numpy.typing as npt
 import pyvista
 
-from ._exchange import curvature_of_vtk
 from ._mesh import Mesh
+from .paraview_filters import add, curvatures, distances, mesh_of, move
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -45,27 +44,14 @@ class Fairing:
         """The surface as a `pyfairing.Mesh`, with the data that its fields can hold."""
         return Mesh(self._poly)
 
-    def _surface(self) -> Mesh:
-        """The surface without data."""
-        bare = pyvista.PolyData()
-        bare.copy_structure(self._poly)
-        return Mesh(bare)
-
     def _with(self, data: dict[str, npt.NDArray[Any]]) -> Any:
-        """A copy with more point data, the first of it active."""
         poly = self._poly.copy()
-        for name, values in data.items():
-            poly.point_data[name] = values
-        poly.set_active_scalars(next(iter(data)))
+        add(poly, data)
         return poly
 
     def _moved(self, mesh: Mesh) -> Any:
-        """A copy with other points, without normals."""
         poly = self._poly.copy()
-        poly.points = np.array(mesh.vertices)
-        for data in (poly.point_data, poly.cell_data):
-            if "Normals" in data:
-                del data["Normals"]
+        move(poly, mesh)
         return poly
 
     @_like(Mesh.curvature)
@@ -80,7 +66,7 @@ class Fairing:
             `Maximum_Direction` and `Minimum_Direction`. Positive on a sphere whose faces are
             counter-clockwise seen from outside, in 1 / mesh units, NaN where undefined.
         """
-        return self._with(curvature_of_vtk(self._surface().curvature(*args, **parameters)))
+        return self._with(curvatures(mesh_of(self._poly).curvature(*args, **parameters)))
 
     @_like(Mesh.smooth)
     def smooth(self, *args: Any, **parameters: Any) -> Any:
@@ -91,7 +77,7 @@ class Fairing:
         pyvista.PolyData
             With other points and the same data, except `Normals`.
         """
-        return self._moved(self._surface().smooth(*args, **parameters))
+        return self._moved(mesh_of(self._poly).smooth(*args, **parameters))
 
     @_like(Mesh.denoise)
     def denoise(self, *args: Any, **parameters: Any) -> Any:
@@ -102,7 +88,7 @@ class Fairing:
         pyvista.PolyData
             With other points and the same data, except `Normals`.
         """
-        return self._moved(self._surface().denoise(*args, **parameters))
+        return self._moved(mesh_of(self._poly).denoise(*args, **parameters))
 
     @_like(Mesh.spectrum)
     def spectrum(self, *args: Any, **parameters: Any) -> Any:
@@ -114,7 +100,7 @@ class Fairing:
             With the point data `Mode_0`, `Mode_1`, …, and the field data `Eigenvalues`, in
             1 / squared mesh units.
         """
-        spectrum = self._surface().spectrum(*args, **parameters)
+        spectrum = mesh_of(self._poly).spectrum(*args, **parameters)
         poly = self._with({f"Mode_{i}": mode for i, mode in enumerate(spectrum.modes.T.copy())})
         poly.field_data["Eigenvalues"] = spectrum.values
         return poly
@@ -128,8 +114,7 @@ class Fairing:
         pyvista.PolyData
             With the point data `Geodesic_Distance`, in mesh units, NaN on parts without a source.
         """
-        distance = self._surface().geodesic_distance(*args, **parameters)
-        return self._with({"Geodesic_Distance": np.where(np.isinf(distance), np.nan, distance)})
+        return self._with(distances(mesh_of(self._poly).geodesic_distance(*args, **parameters)))
 
 
 pyvista.register_dataset_accessor("fairing", pyvista.PolyData)(Fairing)

@@ -29,7 +29,8 @@ def floats(values: npt.ArrayLike, name: str) -> Floats:
     """An array of float64, converted from other numbers; anything else raises TypeError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be real numbers, not {array.dtype}")
+        given = f"a {type(values).__name__}" if hasattr(values, "toarray") else array.dtype
+        raise TypeError(f"{name} must be real numbers, not {given}")
     return np.asarray(array, dtype=np.float64)
 
 
@@ -175,11 +176,13 @@ def csr(parts: tuple[Any, Any, Any, tuple[int, int]]) -> Csr:
     return matrix
 
 
-def diagonal(values: Floats) -> Csr:
-    """A diagonal scipy matrix with every entry stored."""
-    n = len(values)
+def mass(given: Any) -> Csr:
+    """A scipy matrix of the extension's parts, or of its diagonal, with every entry stored."""
+    if isinstance(given, tuple):
+        return csr(given)
+    n = len(given)
     starts = np.arange(n + 1, dtype=np.uint32)
-    return csr((starts, starts[:n].copy(), values, (n, n)))
+    return csr((starts, starts[:n].copy(), given, (n, n)))
 
 
 def frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -68,8 +68,7 @@ def laplacian(
     stiffness, matrix, taken, reason, note = _core.laplacian(self._core, kind, mass, call(threads, progress))
     if note:
         warn(note)
-    mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
-    return Laplacian(_arrays.csr(stiffness), mass_matrix, taken, reason)
+    return Laplacian(_arrays.csr(stiffness), _arrays.mass(matrix), taken, reason)
 
 
 @documented
@@ -396,8 +395,7 @@ def polygon_laplacian(
     stiffness, matrix = _core.polygon_laplacian(
         _arrays.vertices(vertices), corners, sizes, mass, call(threads, progress)
     )
-    mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
-    return Laplacian(_arrays.csr(stiffness), mass_matrix, "polygon", "polygon was asked for")
+    return Laplacian(_arrays.csr(stiffness), _arrays.mass(matrix), "polygon", "polygon was asked for")
 
 
 @documented

@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core, _fields
-from ._arrays import Floats, Indices
+from ._arrays import Indices
 from ._calls import call, warn
-from ._results import Curvature
 
 if TYPE_CHECKING:
     from ._mesh import Mesh
@@ -20,9 +19,9 @@ if TYPE_CHECKING:
 _Given: TypeAlias = "Mapping[str, npt.ArrayLike]"
 _Parts: TypeAlias = "tuple[_core.Mesh, _Given, _Given]"
 
-#: Our names of fields, by those of VTK and its readers.
-_OURS = {"Normals": "normal", "RGB": "colors"}
-_VTK = {ours: theirs for theirs, ours in _OURS.items()}
+#: Names of our fields in VTK and its readers, and in Open3D's meshes of tensors.
+_VTK = {"normal": "Normals", "colors": "RGB"}
+_OPEN3D = {"normal": "normals", "texture": "texture_uvs"}
 
 
 def from_object(source: Any) -> _Parts:
@@ -35,9 +34,8 @@ def from_object(source: Any) -> _Parts:
             )
         core = _core.Mesh(_arrays.vertices(source[0], planar=True), _arrays.faces(source[1]))
         return core, {"values": values for values in source[2:]}, {}
-    # The new mesh of Open3D becomes that of old.
-    source = source.to_legacy() if hasattr(source, "to_legacy") else source
     for attributes, taken in (
+        (("vertex", "triangle"), _of_tensors),
         (("points", "faces", "strips"), _of_pyvista),
         (("vertices", "faces"), _of_trimesh),
         (("vertices", "triangles"), _of_open3d),
@@ -50,12 +48,31 @@ def from_object(source: Any) -> _Parts:
 
 
 def _of_open3d(source: Any) -> _Parts:
-    positions, triangles = np.asarray(source.vertices), np.asarray(source.triangles)
-    fields, of_faces = {"normal": source.vertex_normals}, {"normal": source.triangle_normals}
-    fields["colors"] = np.rint(255 * np.clip(np.asarray(source.vertex_colors), 0, 1)).astype(np.uint8)
-    of_faces["texture"] = np.asarray(source.triangle_uvs).reshape(-1, 3, 2)
+    fields = {"normal": source.vertex_normals, "colors": _bytes(source.vertex_colors)}
+    texture = np.asarray(source.triangle_uvs).reshape(-1, 3, 2)
+    of_faces = {"normal": source.triangle_normals, "texture": texture}
     present = [{n: v for n, v in given.items() if len(v)} for given in (fields, of_faces)]
-    return _made(positions, *_arrays.flat(triangles), *present)
+    return _made(source.vertices, *_arrays.flat(np.asarray(source.triangles)), *present)
+
+
+def _of_tensors(source: Any) -> _Parts:
+    """Of the new mesh of Open3D, with all its attributes."""
+    fields, of_faces = (
+        _named({name: values.cpu().numpy() for name, values in data.items()}, _OPEN3D)
+        for data in (source.vertex, source.triangle)
+    )
+    for given in (fields, of_faces):
+        if "colors" in given:
+            given["colors"] = _bytes(given["colors"])
+    positions = fields.pop("positions", np.zeros((0, 3)))
+    triangles = of_faces.pop("indices", np.zeros((0, 3), np.int64))
+    return _made(positions, *_arrays.flat(triangles), fields, of_faces)
+
+
+def _bytes(colors: Any) -> npt.NDArray[Any]:
+    """Colours from 0 to 255, of such or of numbers from 0 to 1."""
+    array = np.asarray(colors)
+    return array if array.dtype == np.uint8 else np.rint(255 * np.clip(array, 0, 1)).astype(np.uint8)
 
 
 def _of_pyvista(source: Any) -> _Parts:
@@ -124,9 +141,10 @@ def _of_vedo(source: Any) -> _Parts:
     return _made(source.vertices, *_arrays.flat(source.cells), fields, cells)
 
 
-def _named(data: Any) -> dict[str, Any]:
+def _named(data: Any, names: Mapping[str, str] = _VTK) -> dict[str, Any]:
     """Data by our names."""
-    return {_OURS.get(str(name), str(name)): data[name] for name in data.keys()}
+    ours = {theirs: own for own, theirs in names.items()}
+    return {ours.get(str(name), str(name)): data[name] for name in data.keys()}
 
 
 def _of_meshio(source: Any) -> _Parts:
@@ -166,19 +184,6 @@ def _made(
         core = _core.from_polygons(positions, *_arrays.polygons(corners, sizes), call())
     of_faces = {name: np.repeat(np.asarray(values), sizes - 2, axis=0) for name, values in of_cells.items()}
     return core, _fields.kept(fields, len(positions), "vertex"), of_faces
-
-
-def curvature_of_vtk(c: Curvature) -> dict[str, Floats]:
-    """Curvature by the names of `vtkCurvatures`, and the principal directions."""
-    data = {
-        "Mean_Curvature": c.mean,
-        "Gauss_Curvature": c.gaussian,
-        "Maximum_Curvature": c.kappa1,
-        "Minimum_Curvature": c.kappa2,
-    }
-    if c.direction1 is not None and c.direction2 is not None:
-        data |= {"Maximum_Direction": c.direction1, "Minimum_Direction": c.direction2}
-    return data
 
 
 def _required(name: str) -> Any:
@@ -228,31 +233,40 @@ def to_pyvista(self: Mesh) -> Any:
     return poly
 
 
-def to_open3d(self: Mesh) -> Any:
-    """Converts to an `open3d.geometry.TriangleMesh`, which has no polygons.
+def to_open3d(self: Mesh, *, tensor: bool = False) -> Any:
+    """Converts to a mesh of Open3D, which has no polygons.
+
+    Parameters
+    ----------
+    tensor : bool
+        Return an `open3d.t.geometry.TriangleMesh`, which holds all fields.
 
     Returns
     -------
-    open3d.geometry.TriangleMesh
-        With vertex colours, normals and texture coordinates; a warning names other fields.
+    open3d.geometry.TriangleMesh or open3d.t.geometry.TriangleMesh
+        The former has vertex colours, normals and texture coordinates; a warning names other
+        fields. Colours are from 0 to 1.
+
+    Raises
+    ------
+    OptionError
+        For fields named `positions`, `indices`, `normals` or `texture_uvs`, which Open3D has.
     """
     o3d = _required("open3d")
-    vectors = o3d.utility.Vector3dVector
-    faces = o3d.utility.Vector3iVector(self.faces.astype(np.int32))
-    made = o3d.geometry.TriangleMesh(vectors(self.vertices.copy()), faces)
-    fields, of_faces = dict(self.fields), dict(self.face_fields)
-    if "colors" in fields:
-        made.vertex_colors = vectors(fields.pop("colors") / 255)
-    if "normal" in fields:
-        made.vertex_normals = vectors(fields.pop("normal"))
-    if "normal" in of_faces:
-        made.triangle_normals = vectors(of_faces.pop("normal"))
-    if "texture" in of_faces:
-        made.triangle_uvs = o3d.utility.Vector2dVector(of_faces.pop("texture").reshape(-1, 2))
-    left_out = [*fields, *(f"{name} of faces" for name in of_faces)]
+    positions, indices = (o3d.core.Tensor(values.copy()) for values in (self.vertices, self.faces))
+    made = o3d.t.geometry.TriangleMesh(positions, indices)
+    for data, fields in ((made.vertex, self.fields), (made.triangle, self.face_fields)):
+        for name, values in fields.items():
+            if name in ("positions", "indices", *_OPEN3D.values()):
+                raise _core.OptionError(f"Open3D's mesh has {name} of its own: rename the field {name}")
+            data[_OPEN3D.get(name, name)] = o3d.core.Tensor(values / 255 if name == "colors" else values)
+    if tensor:
+        return made
+    left_out = [name for name in self.fields if name not in ("colors", "normal")]
+    left_out += [f"{name} of faces" for name in self.face_fields if name not in ("texture", "normal")]
     if left_out:
-        warn(f"Open3D's mesh cannot hold {', '.join(left_out)}")
-    return made
+        warn(f"Open3D's mesh cannot hold {', '.join(left_out)}, which that of to_open3d(tensor=True) does")
+    return made.to_legacy()
 
 
 def to_trimesh(self: Mesh) -> Any:

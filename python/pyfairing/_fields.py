@@ -90,6 +90,7 @@ def kept(fields: Mapping[str, Any], n: int, of: Element) -> dict[str, npt.ArrayL
     kept: dict[str, npt.ArrayLike] = {}
     for name, values in fields.items():
         array = np.asarray(values)
+        array = array[:, 0] if array.shape == (n, 1) else array
         numbers = array.dtype == np.uint8 if name == "colors" else array.dtype.kind in "fiu"
         if numbers and array.shape in _shapes(name, n, of) and np.isfinite(array).all():
             kept[name] = array

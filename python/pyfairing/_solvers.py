@@ -54,19 +54,8 @@ class CholeskyFactor:
         x = self._core.solve(right, call(threads, progress))
         return x[:, 0] if flat else x
 
-    def solve_A(self, b: npt.ArrayLike) -> Floats:
-        """Solves A x = b, as `factor(b)` does.
-
-        Parameters
-        ----------
-        b : array_like, shape (n,) or (n, k)
-            One right-hand side, or one in each column.
-
-        Returns
-        -------
-        ndarray, shape of b
-        """
-        return self(b)
+    #: The names in scikit-sparse: until 0.4, and from 0.5 on.
+    solve_A = solve = __call__
 
     def logdet(self) -> float:
         """The logarithm of the determinant of A, which itself may overflow."""
@@ -80,7 +69,9 @@ class CholeskyFactor:
 
 
 def cholesky(A: Any, beta: float = 0.0, *, threads: int | None = None) -> CholeskyFactor:
-    """Factorises a sparse symmetric positive definite matrix, as scikit-sparse's `cholesky`.
+    """Factorises a sparse symmetric positive definite matrix.
+
+    Called as `cholesky` of scikit-sparse 0.4 and `cho_factor` of 0.5.
 
     Ordering (nested dissection or minimum degree, by fill) and supernodes are chosen by the matrix.
 
@@ -88,7 +79,7 @@ def cholesky(A: Any, beta: float = 0.0, *, threads: int | None = None) -> Choles
     ----------
     A : scipy.sparse matrix or array, shape (n, n)
         Real, with both triangles: entries may differ from their mirror image by 1e-10 of the
-        larger diagonal entry. scikit-sparse reads the lower triangle only.
+        larger diagonal entry. scikit-sparse reads one triangle only.
     beta : float
         Factorises A + beta I.
     threads : int, optional
@@ -97,8 +88,8 @@ def cholesky(A: Any, beta: float = 0.0, *, threads: int | None = None) -> Choles
     Returns
     -------
     CholeskyFactor
-        `factor(b)` and `factor.solve_A(b)` solve A x = b for b of shape (n,) or (n, k);
-        `factor.logdet()` is the logarithm of the determinant.
+        `factor(b)`, `factor.solve_A(b)` and `factor.solve(b)` solve A x = b for b of shape (n,)
+        or (n, k); `factor.logdet()` is the logarithm of the determinant.
 
     Raises
     ------

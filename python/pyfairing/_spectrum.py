@@ -65,8 +65,7 @@ class Spectrum:
     @property
     def mass(self) -> Csr:
         """M, (n, n), as `scipy.sparse.csr_matrix`."""
-        mass = self._core.mass
-        return _arrays.csr(mass) if isinstance(mass, tuple) else _arrays.diagonal(mass)
+        return _arrays.mass(self._core.mass)
 
     @property
     def area(self) -> float:

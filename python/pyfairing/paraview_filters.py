@@ -20,6 +20,7 @@ take text, "" for none.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -27,9 +28,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import numpy.typing as npt
-from pyfairing import FairingError, Mesh
-from pyfairing._exchange import curvature_of_vtk
+from pyfairing import FairingError, Mesh, OptionError
 from pyfairing._parameters import DENOISER, ESTIMATOR, METHOD, Family
+from pyfairing._results import Curvature
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkIdTypeArray, vtkOutputWindow, vtkPoints
@@ -51,13 +52,18 @@ _DISTANCE: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def _value(of: Mapping[str, Any], value: Any) -> Any:
+def _value(of: Mapping[str, Any], value: Any, name: str = "") -> Any:
     """A value as `Mesh` takes it; None for an empty text."""
-    if value is None or value == "":
+    if value is None or isinstance(value, str) and not value.strip():
         return None
-    if of["kind"] == "vertices":
-        return [int(number) for number in str(value).split()]
-    return {"number": float, "count": int, "choice": str}[of["kind"]](value)
+    kind, text = of["kind"], str(value)
+    try:
+        if kind == "vertices":
+            return [int(number) for number in re.sub(r"[\[\](),;]", " ", text).split()]
+        return {"number": float, "count": int, "choice": str}[kind](value)
+    except ValueError:
+        wanted = {"vertices": "numbers of points, such as '3 8'", "count": "a whole number"}
+        raise OptionError(f"{name} is {text!r}, but must be {wanted.get(kind, 'a number')}") from None
 
 
 class _Filter(VTKPythonAlgorithmBase):
@@ -79,7 +85,7 @@ class _Filter(VTKPythonAlgorithmBase):
                     if of["kind"] != "weighted":
                         cls.properties[_camel(f"{method}-{name}")] = (method, name), of
         for name, (key, of) in cls.properties.items():
-            setattr(cls, f"Set{name}", _setter(key, of))
+            setattr(cls, f"Set{name}", _setter(name, key, of))
 
     def __init__(self) -> None:
         VTKPythonAlgorithmBase.__init__(
@@ -111,9 +117,10 @@ class _Filter(VTKPythonAlgorithmBase):
         source, result = vtkPolyData.GetData(inputs[0]), vtkPolyData.GetData(outputs)
         result.ShallowCopy(source)
         try:
-            self.compute(_mesh(source), result)
+            self.compute(mesh_of(source), result)
         except FairingError as error:
-            # VTK may lose exceptions.
+            # VTK may lose exceptions, and shows what is there.
+            result.Initialize()
             vtkOutputWindow.GetInstance().DisplayErrorText(f"{self.label}: {error}\n")
             return 0
         return 1
@@ -138,9 +145,9 @@ def _camel(name: str) -> str:
     return "".join(word.capitalize() for word in name.replace("_", "-").split("-"))
 
 
-def _setter(key: _Key, of: Mapping[str, Any]) -> Callable[[_Filter, Any], None]:
+def _setter(name: str, key: _Key, of: Mapping[str, Any]) -> Callable[[_Filter, Any], None]:
     def setter(self: _Filter, value: Any) -> None:
-        if self._values.get(key) != (given := _value(of, value)):
+        if self._values.get(key) != (given := _value(of, value, name)):
             self._values[key] = given
             self.Modified()
 
@@ -175,7 +182,9 @@ def _declared(name: str, key: _Key, of: Mapping[str, Any]) -> ElementTree.Elemen
     return element
 
 
-def _mesh(poly: Any) -> Mesh:
+def mesh_of(poly: Any) -> Mesh:
+    """The mesh of a `vtkPolyData` without its data."""
+
     def flat(cells: vtkCellArray) -> Any:
         array = vtkIdTypeArray()
         cells.ExportLegacyFormat(array)
@@ -194,7 +203,8 @@ def _mesh(poly: Any) -> Mesh:
     return Mesh(parts)
 
 
-def _move(result: Any, mesh: Mesh) -> None:
+def move(result: Any, mesh: Mesh) -> None:
+    """Sets the points of a `vtkPolyData`, and removes normals."""
     points = vtkPoints()
     points.SetData(numpy_to_vtk(mesh.vertices, deep=True))
     result.SetPoints(points)
@@ -202,8 +212,26 @@ def _move(result: Any, mesh: Mesh) -> None:
         data.RemoveArray("Normals")
 
 
-def _add(result: Any, data: Mapping[str, npt.NDArray[Any]]) -> None:
-    """Adds point data, the first of it active."""
+def curvatures(c: Curvature) -> dict[str, npt.NDArray[Any]]:
+    """Curvature by the names of `vtkCurvatures`, and the principal directions."""
+    data = {
+        "Mean_Curvature": c.mean,
+        "Gauss_Curvature": c.gaussian,
+        "Maximum_Curvature": c.kappa1,
+        "Minimum_Curvature": c.kappa2,
+    }
+    if c.direction1 is not None and c.direction2 is not None:
+        data |= {"Maximum_Direction": c.direction1, "Minimum_Direction": c.direction2}
+    return data
+
+
+def distances(distance: npt.NDArray[Any]) -> dict[str, npt.NDArray[Any]]:
+    """Distances by their name, NaN where there is no source."""
+    return {"Geodesic_Distance": np.where(np.isinf(distance), np.nan, distance)}
+
+
+def add(result: Any, data: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Adds point data to a `vtkPolyData`, the first of it active."""
     for name, values in data.items():
         array = numpy_to_vtk(values, deep=True)
         array.SetName(name)
@@ -215,29 +243,28 @@ class FairingCurvature(_Filter, label="Curvature (Fairing)", family=ESTIMATOR):
     """Curvature at each point, by `Mesh.curvature`."""
 
     def compute(self, mesh: Mesh, result: Any) -> None:
-        _add(result, curvature_of_vtk(mesh.curvature(self.method, **self.options())))
+        add(result, curvatures(mesh.curvature(self.method, **self.options())))
 
 
 class FairingSmooth(_Filter, label="Smooth (Fairing)", family=METHOD):
     """Smooths by a flow or a filter, by `Mesh.smooth`."""
 
     def compute(self, mesh: Mesh, result: Any) -> None:
-        _move(result, mesh.smooth(self.method, **self.options()))
+        move(result, mesh.smooth(self.method, **self.options()))
 
 
 class FairingDenoise(_Filter, label="Denoise (Fairing)", family=DENOISER):
     """Removes noise and keeps creases, by `Mesh.denoise`."""
 
     def compute(self, mesh: Mesh, result: Any) -> None:
-        _move(result, mesh.denoise(self.method, **self.options()))
+        move(result, mesh.denoise(self.method, **self.options()))
 
 
 class FairingGeodesicDistance(_Filter, label="Geodesic Distance (Fairing)"):
     """The distance to the nearest source along the surface, by `Mesh.geodesic_distance`."""
 
     def compute(self, mesh: Mesh, result: Any) -> None:
-        distance = mesh.geodesic_distance(**self.options())
-        _add(result, {"Geodesic_Distance": np.where(np.isinf(distance), np.nan, distance)})
+        add(result, distances(mesh.geodesic_distance(**self.options())))
 
 
 try:

@@ -46,6 +46,7 @@ def test_triangles_and_their_fields_return(mesh: pf.Mesh, package: str) -> None:
     pytest.importorskip(package)
     mesh = triangles(mesh)
     if package == "open3d":
+        assert_same(pf.Mesh(mesh.to_open3d(tensor=True)), mesh)
         with pytest.warns(pf.FairingWarning, match="cannot hold a, v, q of faces, colors of faces"):
             theirs = mesh.to_open3d()
         rest = pf.Mesh(mesh.vertices, mesh.faces, {n: mesh.fields[n] for n in ("normal", "colors")})
@@ -137,8 +138,19 @@ def test_meshes_of_open3d(mesh: pf.Mesh) -> None:
     taken = pf.Mesh(ball)
     np.testing.assert_array_equal(taken.faces, ball.triangles)
     assert taken.fields["colors"][0].tolist() == [255, 128, 0]
-    new = pf.Mesh(o3d.t.geometry.TriangleMesh.from_legacy(ball))
-    np.testing.assert_allclose(new.vertices, taken.vertices, atol=1e-6)
+    new = o3d.t.geometry.TriangleMesh.from_legacy(ball)
+    new.vertex["quality"] = o3d.core.Tensor(np.arange(len(taken.vertices))[:, None])
+    found = pf.Mesh(new)
+    np.testing.assert_allclose(found.vertices, taken.vertices, atol=1e-6)
+    np.testing.assert_array_equal(found.fields["colors"], taken.fields["colors"])
+    np.testing.assert_array_equal(found.fields["quality"], np.arange(found.n_vertices))
+    new.vertex["colors"] = o3d.core.Tensor(taken.fields["colors"])
+    np.testing.assert_array_equal(pf.Mesh(new).fields["colors"], taken.fields["colors"])
+    assert pf.Mesh(o3d.t.geometry.TriangleMesh()).n_vertices == 0
+    empty = pf.Mesh(V, np.zeros((0, 3), int))
+    assert_same(pf.Mesh(empty.to_open3d()), empty)
+    with pytest.raises(pf.OptionError, match="rename the field positions"):
+        mesh.with_fields(positions=np.ones(6)).to_open3d(tensor=True)
 
 
 def test_attributes_of_open3d_suffice(mesh: pf.Mesh) -> None:

@@ -70,6 +70,9 @@ LAPLACIAN: list[Case] = [
 PAIRS: list[Case] = [
     ("compensated", lambda s: (-2 * s.s(), 2 * s.barycentric()), "convention", "both times 2"),
     ("½ missing, not compensated", lambda s: (2 * s.s(), s.barycentric()), "mistake", "½ missing"),
+    ("other sign, whole faces", lambda s: (-s.s(), 3 * s.barycentric()), "mistake",
+     "(in M); L is right by another convention: the other sign"),
+    ("negative mass", lambda s: (s.s(), -s.barycentric()), "mistake", "times -1"),
     ("right", lambda s: (s.s(), np.diag(s.barycentric())), "right", ""),
     (
         "consistent",
@@ -157,6 +160,9 @@ MEAN: list[Case] = [
     ("part along the normal", lambda s: (s.vector() * unit(s.normals())).sum(axis=1), "right", ""),
     ("length with sign", lambda s: s.h(), "right", ""),
     ("length", lambda s: abs(s.h()), "convention", "length of the vector, without sign"),
+    ("length with sign, in another order", lambda s: np.roll(s.h(), 7), "mistake", "another order"),
+    ("half precision", lambda s: s.h().astype(np.float16), "convention", "rounded to half precision"),
+    ("three digits", lambda s: [float(f"{h:.2e}") for h in s.h()], "convention", "rounded to 3 digits"),
     ("length, barycentric", lambda s: abs(s.h(m=s.barycentric())), "convention", "without sign"),
     ("sign by the mean of neighbours", lambda s: np.linalg.norm(s.vector(), axis=1) * np.where(
         (s.normals() * (s.uniform() @ s.v)).sum(axis=1) > 0, -1, 1), "right", ""),
@@ -346,6 +352,9 @@ IMPLICIT: list[Case] = [
     ("explicit", lambda s: explicit(s, s.uniform(), LAM, 3), "mistake", "explicit"),
     ("one step too many", lambda s: implicit(s, s.uniform(), LAM, 4),
      "mistake", "one step too many"),
+    ("transposed", lambda s: implicit(s, s.uniform().T, LAM, 3), "mistake", "transposed"),
+    ("nothing moved", lambda s: s.v, "mistake", "nothing was moved"),
+    ("axes", lambda s: implicit(s, s.uniform(), LAM, 3)[:, [0, 2, 1]], "mistake", "axes in the order xzy"),
 ]  # fmt: skip
 
 

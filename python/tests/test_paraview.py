@@ -113,11 +113,20 @@ def test_errors_reach_the_output_window(ball: Any) -> None:
     observer = window.AddObserver("ErrorEvent", note)
     smooth = filters.FairingSmooth()
     smooth.SetTaubinLam(-1.0)
-    run(smooth, ball)
+    # No surface that looks like a result.
+    assert run(smooth, ball).GetNumberOfPoints() == 0
     window.RemoveObserver(observer)
     assert any("Smooth (Fairing): " in text and "lambda is -1" in text for text in seen), seen
-    with pytest.raises(ValueError, match="'many'"):
-        smooth.SetTaubinPin("many")
+    smooth.SetTaubinLam(0.5)
+    assert run(smooth, ball).GetNumberOfPoints() == ball.GetOutput().GetNumberOfPoints()
+    for name, value, words in (
+        ("Pin", "many", "numbers of points"), ("Lam", "a", "a number"), ("Iterations", "2.5", "a whole number"),
+    ):  # fmt: skip
+        with pytest.raises(pf.OptionError, match=f"Taubin{name} is '{value}', but must be {words}"):
+            getattr(smooth, f"SetTaubin{name}")(value)
+    for value in ("3, 8", [3, 8], (3, 8), np.array([3, 8])):
+        smooth.SetTaubinPin(value)
+        assert smooth.options()["pin"] == [3, 8]
 
 
 @pytest.mark.parametrize(("cls", "family"), [*zip(ALL, (ESTIMATOR, METHOD, DENOISER))])

@@ -27,11 +27,31 @@ def test_a_factor_solves(kind: Callable[[object], object], sphere: pf.Mesh) -> N
     expected = linalg.spsolve(A.tocsc(), b)
     np.testing.assert_allclose(factor(b), expected, atol=1e-12)
     np.testing.assert_array_equal(factor(b[:, 0]), factor.solve_A(b)[:, 0])
+    np.testing.assert_array_equal(factor(b), factor.solve(b))
     np.testing.assert_allclose(factor.logdet(), np.linalg.slogdet(A.toarray())[1], rtol=1e-12)
     again = pickle.loads(pickle.dumps(factor))
     np.testing.assert_array_equal(again(b), factor(b))
     assert repr(again) == "CholeskyFactor(642 rows)"
     np.testing.assert_allclose(pf.cholesky(S, beta=0.5)(S @ b + 0.5 * b), b, atol=1e-12)
+
+
+def test_a_factor_is_that_of_scikit_sparse(bumpy: pf.Mesh) -> None:
+    cholmod = pytest.importorskip("sksparse.cholmod")
+    # From 0.5 on `cholesky` returns matrices.
+    names = ("cho_factor", "solve") if hasattr(cholmod, "cho_factor") else ("cholesky", "solve_A")
+    factorise = getattr(cholmod, names[0])
+    S, M = bumpy.laplacian()
+    b = bumpy.vertices
+    for A, beta in ((S + M, 0.0), (S, 0.1)):
+        # It warns of other formats than CSC.
+        theirs, ours = (function(A.tocsc(), beta=beta) for function in (factorise, pf.cholesky))
+        for right in (b, b[:, 0]):
+            solutions = [getattr(factor, names[1])(right) for factor in (theirs, ours)]
+            np.testing.assert_allclose(*solutions, rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(ours.logdet(), theirs.logdet(), rtol=1e-12)
+    for function, error in ((factorise, cholmod.CholmodError), (pf.cholesky, pf.ComputationError)):
+        with pytest.raises(error, match="not positive definite"):
+            function((S - M).tocsc())
 
 
 def test_stored_zeros_and_single_precision_are_fine() -> None:
@@ -60,6 +80,8 @@ def test_bad_matrices_are_named() -> None:
     for b, error in [(np.ones(4), pf.OptionError), ([1, np.inf, 2], pf.OptionError), (["a"], TypeError)]:
         with pytest.raises(error, match="b "):
             factor(b)
+    with pytest.raises(TypeError, match="b must be real numbers, not a csr_matrix"):
+        factor(sparse.csr_matrix((3, 1)))
 
 
 @pytest.mark.parametrize("n", [30, 450])

@@ -21,24 +21,9 @@ the file it grades every submission and writes a table.
 
 from __future__ import annotations
 
-from ._global import (
-    eigenvalues,
-    fundamental_forms,
-    heat,
-    modes,
-    poisson,
-    reconstruction,
-    smoothed,
-)
+from ._global import eigenvalues, fundamental_forms, heat, modes, poisson, reconstruction, smoothed
 from ._invariance import check
-from ._local import (
-    gaussian_curvature,
-    laplacian,
-    mass,
-    mean_curvature,
-    principal_curvatures,
-    vertex_normals,
-)
+from ._local import gaussian_curvature, laplacian, mass, mean_curvature, principal_curvatures, vertex_normals
 from ._moved import denoised, noise
 from ._report import Convention, Report
 

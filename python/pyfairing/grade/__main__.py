@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 from .._mesh import read
@@ -40,25 +41,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--lam", type=float, help="step of smoothing (0.5 explicit, 5 implicit)")
     parser.add_argument("--time", type=float, help="step for cotangents, in squared mesh units")
     parser.add_argument("--iterations", type=int, default=10, help="steps of smoothing (10)")
-    parser.add_argument(
-        "--weights", choices=["uniform", "cotangent"], help="weights of the Laplacian"
-    )
+    parser.add_argument("--weights", choices=["uniform", "cotangent"], help="weights of the Laplacian")
     parser.add_argument("--truth", help="mesh without noise, for q7")
     parser.add_argument("--mass", help="file of the mass beside a Laplacian")
-    parser.add_argument(
-        "--axes", type=float, nargs=3, default=(3, 2, 1), help="half-axes of q2 (3 2 1)"
-    )
+    parser.add_argument("--axes", type=float, nargs=3, default=(3, 2, 1), help="half-axes of q2 (3 2 1)")
     given = parser.parse_args(arguments)
-    options = Options(
-        given.k,
-        given.lam,
-        given.time,
-        given.iterations,
-        given.weights,
-        given.truth,
-        given.mass,
-        tuple(given.axes),
-    )
+    options = Options(**{field.name: getattr(given, field.name) for field in fields(Options)})
     judge, answer = judges(options)[given.question], Path(given.answer)
     try:
         mesh = read(given.mesh)

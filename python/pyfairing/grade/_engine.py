@@ -75,6 +75,10 @@ class Trial:
     def faults(self) -> int:
         return sum(c.fault for c in self.conventions)
 
+    @property
+    def names(self) -> frozenset[str]:
+        return frozenset(c.name for c in self.conventions)
+
 
 def row_norm(values: Any) -> Floats:
     """The length of each row; for matrices the largest entry."""
@@ -120,11 +124,7 @@ def attempt(case: Case, conventions: tuple[Convention, ...]) -> Trial | None:
 
 
 def compared(
-    case: Case,
-    conventions: tuple[Convention, ...],
-    values: Any,
-    size: Any,
-    free: Bools | None = None,
+    case: Case, conventions: tuple[Convention, ...], values: Any, size: Any, free: Bools | None = None
 ) -> Trial:
     with np.errstate(all="ignore"):
         if hasattr(values, "tocsr") or values.ndim < 2:
@@ -136,14 +136,14 @@ def compared(
             sizes, expected = (np.sort(np.abs(x).reshape(len(x), -1)) for x in (case.given, values))
             unsigned = np.minimum(row_norm(sizes - expected), row_norm(sizes))
             difference = np.where(free, unsigned, difference)
+            if values.ndim == 1:
+                values = np.where(free, np.copysign(values, case.given), values)
         own = row_norm(values)
         tolerance = RELATIVE * own + ROUNDING * np.abs(size)
         good = (difference <= tolerance) & np.isfinite(tolerance)
         relative = difference / (own + 1e-3 * np.median(own) + 1e-300)
         median = float(np.median(np.nan_to_num(relative[case.rows], nan=np.inf)))
-    return Trial(
-        conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median
-    )
+    return Trial(conventions, difference, tolerance, values, np.abs(size), good | ~case.rows, median)
 
 
 def combined(case: Case, count: int) -> Iterator[Trial]:
@@ -227,10 +227,12 @@ def rounds(case: Case, trial: Trial) -> bool:
 def explained(case: Case, fits: list[Trial], more: str = "") -> Report:
     """The report for conventions that fit everywhere (NaN apart)."""
     best = min(fits, key=lambda t: t.faults)
-    others = [t for t in fits if t is not best and t.faults == best.faults]
+    # Each set of conventions once; more of them than suffice are none.
+    sets = {t.names: t for t in reversed(fits) if t.faults == best.faults}
+    others = [t for names, t in sets.items() if not names >= best.names]
     table = list(case.table)
     if others:
-        table.append(("fits as well", "; ".join(naming(t.conventions) for t in others[:3])))
+        table.append(("fits as well", "; ".join(naming(t.conventions) for t in others[:-4:-1])))
     if not case.rows.all():
         from ._patterns import undefined
 
@@ -266,15 +268,14 @@ def said(trial: Trial) -> str:
 
 def accused(conventions: tuple[Convention, ...]) -> str:
     """Mistakes with their places, then the conventions beside them."""
-    faults = " and ".join(
-        f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault
-    )
+    faults = " and ".join(f"{c.name} ({c.where})" if c.where else c.name for c in conventions if c.fault)
     plain = naming(tuple(c for c in conventions if not c.fault))
     return f"mistake: {faults}" + (f"; by convention: {plain}" if plain != "our formula" else "")
 
 
 def naming(conventions: tuple[Convention, ...]) -> str:
-    return " and ".join(c.name for c in conventions) or "our formula"
+    """The names; those that are the standard answer, too, come last."""
+    return " and ".join(c.name for c in sorted(conventions, key=lambda c: c.note)) or "our formula"
 
 
 def measured(

@@ -187,9 +187,7 @@ class Facts:
             return self.with_row_sums(self._one_side())
         if weights == "lengths":
             inverse = self.adjacency.copy().tocoo()
-            inverse.data = 1 / np.linalg.norm(
-                self.points[inverse.row] - self.points[inverse.col], axis=1
-            )
+            inverse.data = 1 / np.linalg.norm(self.points[inverse.row] - self.points[inverse.col], axis=1)
             return self.with_row_sums(inverse.tocsr())
         if weights == "faces":
             return self.with_row_sums(self.by_faces)
@@ -216,9 +214,7 @@ class Facts:
             return self.weighted(cotangents, self.outer)
         if weights == "outer ring":
             rows, columns = [own, own], [after, before]
-            return self.with_row_sums(
-                self.matrix(rows, columns, [cotangents[:, 0], cotangents[:, 2]])
-            )
+            return self.with_row_sums(self.matrix(rows, columns, [cotangents[:, 0], cotangents[:, 2]]))
         if weights == "outer next":
             ends, values = (before, own), cotangents[:, 2]
         elif weights == "outer previous":
@@ -230,9 +226,7 @@ class Facts:
             u, v = p[own] - p[before], p[after] - p[last]
             ends = (own, after)
             values = (u * v).sum(axis=1) / np.linalg.norm(np.cross(u, v), axis=1) / 2
-        return self.with_row_sums(
-            self.matrix([ends[0], ends[1]], [ends[1], ends[0]], [values, values])
-        )
+        return self.with_row_sums(self.matrix([ends[0], ends[1]], [ends[1], ends[0]], [values, values]))
 
     # Areas.
 
@@ -322,9 +316,7 @@ class Facts:
         a, b = np.roll(self.faces, -1, axis=1), np.roll(self.faces, -2, axis=1)
         face = np.repeat(np.arange(len(self.faces))[:, None], 3, axis=1)
         owner = {(int(i), int(j)): int(f) for i, j, f in zip(a.flat, b.flat, face.flat)}
-        pairs = [
-            (i, j, f, owner[(j, i)]) for (i, j), f in owner.items() if i < j and (j, i) in owner
-        ]
+        pairs = [(i, j, f, owner[(j, i)]) for (i, j), f in owner.items() if i < j and (j, i) in owner]
         total: Floats = np.zeros(self.n)
         if not pairs:
             return total

@@ -60,12 +60,11 @@ def _operator(
     base: Facts, moved: Facts, weights: str, area: str, area_factor: float, scaled: str, mean: str
 ) -> Csr:
     """-L, positive semi-definite."""
-    if weights in ("uniform", "faces", "lengths") and scaled == "left":
-        return laplacian(base, weights=weights, scaled="own", diagonal=mean)[0]
+    if weights in ("uniform", "faces", "lengths") and scaled in ("left", "right"):
+        matrix = laplacian(base, weights=weights, scaled="own", diagonal=mean)[0]
+        return matrix if scaled == "left" else matrix.T.tocsr()
     if base is moved or scaled != "left":
-        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[
-            0
-        ]
+        return laplacian(base, weights=weights, scaled=scaled, area=area, area_factor=area_factor)[0]
     return base.diagonal(1 / (area_factor * moved.area(area))) @ base.stiffness(weights)
 
 
@@ -113,6 +112,7 @@ SMOOTHED = (
     slip("implicit instead of explicit", "(I - λL) x' = x in place of x + λLx", method="implicit"),
     slip("one step too many", "the loop", more=1),
     slip("one step too few", "the loop", more=-1),
+    slip("nothing was moved", "the positions of the mesh are returned", more=-(2**31)),
     usual("cotangent weights", "the operator", weights="cotangent"),
     usual("uniform weights", "the operator", weights="uniform"),
     slip("λ doubled (½ missing in the cotangents)", "the step, or a factor of the operator",
@@ -134,7 +134,8 @@ SMOOTHED = (
     slip("neighbours counted once for each face", "inner neighbours twice, border ones once",
          weights="faces"),
     slip("mass missing: I - λS", "S is not divided by the area", scaled="no"),
-    slip("transposed: S M⁻¹", "the inverse mass stands on the wrong side", scaled="right"),
+    slip("transposed: S M⁻¹", "the inverse mass, or degree, stands on the wrong side",
+         scaled="right"),
     slip("divided by the sum of the weights", "M⁻¹ S in place of rows over the diagonal",
          scaled="own"),
     usual("mixed areas", "the mass M", area="mixed"),

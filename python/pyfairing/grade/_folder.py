@@ -6,7 +6,6 @@ import csv
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -26,6 +25,7 @@ from . import (
     smoothed,
     vertex_normals,
 )
+from ._inputs import ARRAYS, MESHES
 from ._report import Report
 
 COLUMNS = (
@@ -69,12 +69,7 @@ def judges(options: Options) -> dict[str, Judge]:
     """The judge of each question, by the names of the command."""
     weights: Any = options.weights or "uniform"
     of_matrix: Any = options.weights or "cotangent"
-    steps = {
-        "lam": options.lam,
-        "time": options.time,
-        "iterations": options.iterations,
-        "weights": weights,
-    }
+    steps = {"lam": options.lam, "time": options.time, "iterations": options.iterations, "weights": weights}
 
     def truth(mesh: Mesh, source: Any) -> Report:
         if options.truth is None:
@@ -98,7 +93,7 @@ def judges(options: Options) -> dict[str, Judge]:
         "q1": _curvature,
         "q2": forms,
         "q3": mean_curvature,
-        "q4": partial(_with_k, options.k),
+        "q4": lambda mesh, source: reconstruction(mesh, source, options.k),
         "q5": lambda mesh, source: smoothed(mesh, source, "explicit", **steps),
         "q6": lambda mesh, source: smoothed(mesh, source, "implicit", **steps),
         "q7": truth,
@@ -113,10 +108,6 @@ def judges(options: Options) -> dict[str, Judge]:
     }
 
 
-def _with_k(k: int, mesh: Mesh, source: Any) -> Report:
-    return reconstruction(mesh, source, k)
-
-
 def graded(judge: Judge, mesh: Mesh, source: Any) -> Report:
     """The report; an answer that cannot be read or has another shape gets one, too."""
     try:
@@ -125,42 +116,38 @@ def graded(judge: Judge, mesh: Mesh, source: Any) -> Report:
         return Report("", "unreadable", f"not judged: {error}")
 
 
-def submissions(folder: Path, suffix: str = "") -> list[Path]:
-    """The files of a folder and of its folders, sorted; hidden files and code are left out."""
-    known = {
-        ".npy",
-        ".npz",
-        ".csv",
-        ".txt",
-        ".mat",
-        ".mtx",
-        ".obj",
-        ".ply",
-        ".off",
-        ".dat",
-        ".tsv",
-        ".vtp",
-    }
-    found = sorted(p for p in folder.rglob("*") if p.is_file() and p.suffix.lower() in known)
-    return [p for p in found if not p.name.startswith(".") and p.name.endswith(suffix)]
+def submissions(folder: Path, suffix: str = "") -> dict[str, list[Path]]:
+    """The answers of each submission: a folder, or a file that lies in none; hidden ones are left out."""
+    found: dict[str, list[Path]] = {}
+    for path in sorted(p for p in folder.iterdir() if not p.name.startswith(".")):
+        files = sorted(path.rglob("*")) if path.is_dir() else [path]
+        found.setdefault(path.name if path.is_dir() else path.stem, []).extend(
+            p for p in files
+            if p.suffix.lower() in ARRAYS + MESHES and p.name.endswith(suffix)
+            and p.is_file() and not p.name.startswith(".")
+        )  # fmt: skip
+    return found
 
 
 def table(judge: Judge, mesh: Mesh, folder: Path, suffix: str, out: TextIO) -> int:
-    """Grades a folder to a CSV table, one row per file; returns the number of rows.
+    """Grades a folder to a CSV table; returns the number of files.
 
-    The submission is the first folder below, or the name of a file that lies in none.
+    A row per file, and one for each submission without a file to judge.
     """
     rows = csv.writer(out)
     rows.writerow(COLUMNS)
-    files = submissions(folder, suffix)
-    for path in files:
-        inside = path.relative_to(folder)
-        who = inside.parts[0] if len(inside.parts) > 1 else path.stem
-        report = graded(judge, mesh, path)
-        numbers = [report.largest, report.rms, report.tolerance]
-        words = ["" if x is None else f"{x:.4g}" for x in numbers]
-        at = "" if report.vertex is None else str(report.vertex)
-        rows.writerow(
-            [who, str(inside), report.status, report.verdict, "; ".join(report.names), *words, at]
-        )
-    return len(files)
+    found = submissions(folder, suffix)
+    kinds = f"file whose name ends in {suffix}" if suffix else f"{', '.join(ARRAYS + MESHES)} file"
+    for who, files in found.items():
+        if not files:
+            rows.writerow([who, "", "unreadable", f"not judged: no {kinds}", *[""] * 5])
+        for path in files:
+            report = graded(judge, mesh, path)
+            numbers = [report.largest, report.rms, report.tolerance]
+            words = ["" if x is None else f"{x:.4g}" for x in numbers]
+            at = "" if report.vertex is None else str(report.vertex)
+            rows.writerow(
+                [who, str(path.relative_to(folder)), report.status, report.verdict,
+                 "; ".join(report.names), *words, at]
+            )  # fmt: skip
+    return sum(map(len, found.values()))

@@ -45,9 +45,7 @@ def eigenvalues(mesh: Mesh, values: Any) -> Report:
 
 def _count(k: int, mesh: Mesh) -> None:
     if not 0 < k <= mesh.n_vertices:
-        raise OptionError(
-            f"{k} modes are given; a mesh of {mesh.n_vertices} vertices has that many at most"
-        )
+        raise OptionError(f"{k} modes are given; a mesh of {mesh.n_vertices} vertices has that many at most")
 
 
 def modes(mesh: Mesh, phi: Any) -> Report:
@@ -71,9 +69,7 @@ def modes(mesh: Mesh, phi: Any) -> Report:
         given = given.T
         rows.append(("turned", "the modes were in the rows"))
     if given.ndim != 2 or given.shape[0] != n:
-        raise OptionError(
-            f"the modes have the shape {given.shape}; columns of {n} numbers are needed"
-        )
+        raise OptionError(f"the modes have the shape {given.shape}; columns of {n} numbers are needed")
     _count(given.shape[1], mesh)
     facts, turned = Facts(mesh), np.ascontiguousarray(given.T)
     case = Case(
@@ -88,23 +84,15 @@ def modes(mesh: Mesh, phi: Any) -> Report:
     report = judge(case)
     if report.status == "unexplained" or not case.rows.all():
         return report
-    if (np.abs(turned).max(axis=1) == 0).any() or np.linalg.matrix_rank(turned, tol=1e-6) < len(
-        turned
-    ):
+    if (np.abs(turned).max(axis=1) == 0).any() or np.linalg.matrix_rank(turned, tol=1e-6) < len(turned):
         twin = _pointwise.slip("dependent modes", "a mode appears twice, or is 0")
-        return joined(
-            report, "mistake", "mistake: dependent modes", (*report.conventions, twin), ()
-        )
+        return joined(report, "mistake", "mistake: dependent modes", (*report.conventions, twin))
     scale, convention = _spectra.lengths(facts, turned)
     if convention is None or report.status == "mistake":
-        return joined(
-            report, report.status, report.verdict, report.conventions, (("scale", scale),)
-        )
+        return joined(report, report.status, report.verdict, report.conventions, (("scale", scale),))
     names = (*report.conventions, convention)
     status = "mistake" if convention.fault else report.status
-    verdict = (
-        f"mistake: {_engine.naming(names)}" if convention.fault else f"{report.verdict} ({scale})"
-    )
+    verdict = f"mistake: {_engine.naming(names)}" if convention.fault else f"{report.verdict} ({scale})"
     return joined(report, status, verdict, names, (("scale", scale),))
 
 
@@ -143,14 +131,8 @@ def reconstruction(mesh: Mesh, vertices: Any, k: int) -> Report:
         )
     report = judge(case)
     if cut and report.status != "right":
-        return joined(
-            report,
-            "unexplained",
-            f"not determined: {k} modes split equal eigenvalues "
-            f"(take k = {good}); {report.verdict}",
-            report.conventions,
-            (),
-        )
+        text = f"not determined: {k} modes split equal eigenvalues (take k = {good})"
+        return joined(report, "unexplained", f"{text}; {report.verdict}", report.conventions)
     return report
 
 
@@ -303,11 +285,7 @@ def fundamental_forms(
         us, vs = _forms.points()
     else:
         us, vs = (np.ravel(x).astype(np.float64) for x in np.broadcast_arrays(u, v))
-    source = (
-        answer
-        if callable(answer) or isinstance(answer, (tuple, list, dict))
-        else _inputs.loaded(answer)
-    )
+    source = answer if callable(answer) or isinstance(answer, (tuple, list, dict)) else _inputs.loaded(answer)
     given = _forms.values_of(source, us, vs)
     return judge(
         Case(

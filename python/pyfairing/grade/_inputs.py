@@ -13,7 +13,10 @@ from .._arrays import Floats
 from .._core import OptionError
 from .._mesh import Mesh, read
 
-_MESHES = (".obj", ".ply", ".off", ".stl", ".vtp", ".glb")
+MESHES = (".obj", ".ply", ".off", ".stl", ".vtp", ".glb")
+#: Names of answers of one number per vertex.
+SCALARS = ("H", "K", "M")
+ARRAYS = (".npy", ".npz", ".csv", ".txt", ".mat", ".mtx", ".dat", ".tsv")
 
 
 def loaded(source: Any, name: str = "the answer") -> Any:
@@ -21,7 +24,8 @@ def loaded(source: Any, name: str = "the answer") -> Any:
 
     Files are .npy, .npz (of numpy or of scipy.sparse), .csv, .txt, .mat, .mtx, or a mesh, whose
     positions are read, or the field that follows its name and a colon: `out.ply:quality`. In a
-    file of several arrays, a colon and a name choose one.
+    file of several arrays, a colon and a name choose one; else it is the one of this name.
+    Scalars (H, K, M) and normals are the only such field of a mesh.
     """
     if isinstance(source, Mesh):
         return source.vertices
@@ -40,22 +44,23 @@ def loaded(source: Any, name: str = "the answer") -> Any:
         # The colon of a drive.
         path, key = path + ":" + key.partition(":")[0], key.partition(":")[2]
     ending = Path(path.removesuffix(".gz")).suffix.lower()
-    if ending in _MESHES:
-        return _of_mesh(path, key)
-    if ending not in (".npy", ".npz", ".mat", ".mtx", ".csv", ".txt", ".dat", ".tsv"):
+    if ending in MESHES:
+        return _of_mesh(path, key, name)
+    if ending not in ARRAYS:
         raise OptionError(
-            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh"
-            f" ({', '.join(_MESHES)})"
+            f"{path} is no .npy, .npz, .csv, .txt, .mat or .mtx file and no mesh" f" ({', '.join(MESHES)})"
         )
-    found = _from_file(path, ending, key)
-    return (
-        found.tocsr().astype(np.float64)
-        if hasattr(found, "tocsr")
-        else _numbers(np.asarray(found), text)
-    )
+    try:
+        found = _from_file(path, ending, key, name)
+    except (OptionError, OSError, ImportError):
+        raise
+    except Exception as error:
+        # The readers of numpy and scipy raise errors of any kind for broken files.
+        raise OptionError(f"{path} cannot be read: {error}") from error
+    return found.tocsr().astype(np.float64) if hasattr(found, "tocsr") else _numbers(np.asarray(found), text)
 
 
-def _from_file(path: str, ending: str, key: str) -> Any:
+def _from_file(path: str, ending: str, key: str, name: str) -> Any:
     if ending == ".npy":
         return np.load(path, allow_pickle=False)
     if ending == ".npz":
@@ -64,13 +69,12 @@ def _from_file(path: str, ending: str, key: str) -> Any:
                 from scipy.sparse import load_npz
 
                 return load_npz(path)
-            return _chosen({name: file[name] for name in file.files}, path, key)
+            return _chosen({each: file[each] for each in file.files}, path, key, name)
     if ending == ".mat":
         from scipy.io import loadmat
 
-        return _chosen(
-            {k: v for k, v in loadmat(path).items() if not k.startswith("__")}, path, key
-        )
+        arrays = {k: v for k, v in loadmat(path).items() if not k.startswith("__")}
+        return _chosen(arrays, path, key, name)
     if ending == ".mtx":
         from scipy.io import mmread
 
@@ -79,20 +83,22 @@ def _from_file(path: str, ending: str, key: str) -> Any:
 
 
 def _text(path: str) -> Any:
-    """Numbers of a text file: by commas, semicolons, tabs or spaces, below a header or none."""
-    lines = Path(path).read_text("utf-8-sig").splitlines()
+    """Numbers of a text file: by commas, semicolons, tabs or spaces, below a header or none.
+
+    Without points, and with one comma in each word at most, commas are those of decimals.
+    """
+    text = Path(path).read_text("utf-8-sig").replace(";", " ")
+    decimal = "." not in text and all(word.count(",") < 2 for word in text.split())
     rows: list[list[float]] = []
-    for number, line in enumerate(lines, 1):
-        words = line.split("#")[0].replace(",", " ").replace(";", " ").split()
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.split("#")[0].replace(",", "." if decimal else " ").split()
         if not words:
             continue
         try:
             rows.append([float(word.strip('"[]()')) for word in words])
         except ValueError as error:
             if rows:
-                raise OptionError(
-                    f"{path}, line {number}: {line.strip()[:40]!r} is no number"
-                ) from error
+                raise OptionError(f"{path}, line {number}: {line.strip()[:40]!r} is no number") from error
     if not rows:
         raise OptionError(f"{path} holds no numbers")
     widths = {len(row) for row in rows}
@@ -101,26 +107,25 @@ def _text(path: str) -> Any:
     return np.array(rows)
 
 
-def _chosen(arrays: dict[str, Any], path: str, key: str) -> Any:
-    if key:
-        if key not in arrays:
-            raise OptionError(f"{path} has no array {key}, but {', '.join(arrays)}")
-        return arrays[key]
-    if len(arrays) != 1:
-        raise OptionError(
-            f"{path} has {len(arrays)} arrays: choose one, as in {path}:{next(iter(arrays), 'H')}"
-        )
-    return next(iter(arrays.values()))
+def _chosen(arrays: dict[str, Any], path: str, key: str, name: str, what: str = "array") -> Any:
+    if not arrays:
+        raise OptionError(f"{path} has no {what} of numbers for {name}")
+    if key and key not in arrays:
+        raise OptionError(f"{path} has no {what} {key}, but {', '.join(arrays)}")
+    if not key and len(arrays) != 1 and name not in arrays:
+        raise OptionError(f"{path} has {len(arrays)} {what}s: choose one, as in {path}:{next(iter(arrays))}")
+    return arrays[key or (name if name in arrays else next(iter(arrays)))]
 
 
-def _of_mesh(path: str, key: str) -> Floats:
+def _of_mesh(path: str, key: str, name: str) -> Floats:
     mesh = read(path)
-    if not key:
+    if not key and name not in (*SCALARS, "normals"):
         return mesh.vertices
-    if key not in mesh.fields:
-        names = ", ".join(mesh.fields) or "none"
-        raise OptionError(f"{path} has no field {key}; its vertex fields: {names}")
-    return np.asarray(mesh.fields[key], dtype=np.float64)
+    fields = dict(mesh.fields)
+    if not key:
+        width = 1 if name in SCALARS else 2
+        fields = {k: v for k, v in fields.items() if v.ndim == width and v.dtype.kind == "f"}
+    return np.asarray(_chosen(fields, path, key, name, "field"), dtype=np.float64)
 
 
 def _numbers(array: npt.NDArray[Any], name: str) -> Floats:
@@ -139,12 +144,22 @@ def _plural(count: int, word: str) -> str:
     return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
-def scalars(source: Any, mesh: Mesh, name: str) -> Floats:
-    """One number per vertex, (n,)."""
+def _rows(source: Any, n: int, width: int, name: str) -> Floats:
+    """A dense array, without a first column that numbers its n rows from 0 or 1."""
     values = loaded(source, name)
-    n = mesh.n_vertices
     if hasattr(values, "tocsr"):
         values = values.toarray()
+    if values.shape == (n, width + 1) and n > 1:
+        first = values[:, 0] - np.arange(n)
+        if (first == first[0]).all() and first[0] in (0, 1):
+            values = values[:, 1:]
+    return np.asarray(values)
+
+
+def scalars(source: Any, mesh: Mesh, name: str) -> Floats:
+    """One number per vertex, (n,)."""
+    n = mesh.n_vertices
+    values = _rows(source, n, 1, name)
     if values.ndim == 2 and 1 in values.shape:
         values = values.reshape(-1)
     if values.shape == (n,):
@@ -174,6 +189,8 @@ def _shape_in_words(shape: tuple[int, ...], mesh: Mesh) -> str:
         return f"{text}, one entry per inner vertex: the border is missing"
     if len(shape) == 2 and shape[1] == n:
         return f"{text}: transposed"
+    if shape[0] == n:
+        return f"{text}, {shape[1]} numbers per vertex"
     if shape[0] < n:
         return f"{text}, too few by {n - shape[0]}; were vertices merged?"
     return f"{text}, too many by {shape[0] - n}"
@@ -181,10 +198,8 @@ def _shape_in_words(shape: tuple[int, ...], mesh: Mesh) -> str:
 
 def vectors(source: Any, mesh: Mesh, name: str, width: int = 3) -> Floats:
     """One row per vertex, (n, width); a transposed array is turned."""
-    values = loaded(source, name)
     n = mesh.n_vertices
-    if hasattr(values, "tocsr"):
-        values = values.toarray()
+    values = _rows(source, n, width, name)
     if values.shape == (width, n) and n != width:
         values = values.T
     if values.shape == (n * width,):
@@ -194,9 +209,7 @@ def vectors(source: Any, mesh: Mesh, name: str, width: int = 3) -> Floats:
     words = _shape_in_words(values.shape, mesh)
     if values.shape == (mesh.n_faces, 3):
         words = f"has the shape {values.shape}, one row per face"
-    raise OptionError(
-        f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})"
-    )
+    raise OptionError(f"{name} {words}; {_plural(width, 'number')} per vertex are needed, ({n}, {width})")
 
 
 def square(source: Any, mesh: Mesh, name: str) -> Any:
@@ -207,19 +220,10 @@ def square(source: Any, mesh: Mesh, name: str) -> Any:
     n = mesh.n_vertices
     if values.shape == (n, n):
         return csr_matrix(values)
-    if (
-        values.ndim == 2
-        and values.shape[1] == 3
-        and values.shape[0] > n
-        and not hasattr(values, "tocsr")
-    ):
+    if values.ndim == 2 and values.shape[1] == 3 and values.shape[0] > n and not hasattr(values, "tocsr"):
         rows, columns = (np.rint(values[:, k]).astype(np.int64) for k in (0, 1))
-        first = (
-            1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
-        )
-        if (values[:, :2] == np.rint(values[:, :2])).all() and max(
-            rows.max(), columns.max()
-        ) < n + first:
+        first = 1 if min(rows.min(), columns.min()) == 1 and max(rows.max(), columns.max()) == n else 0
+        if (values[:, :2] == np.rint(values[:, :2])).all() and max(rows.max(), columns.max()) < n + first:
             return csr_matrix((values[:, 2], (rows - first, columns - first)), shape=(n, n))
     words = _shape_in_words(values.shape, mesh)
     raise OptionError(f"{name} {words}; a matrix of ({n}, {n}) is needed")

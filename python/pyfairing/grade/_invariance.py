@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -81,10 +82,7 @@ def check(
             continue
         difference = _difference(name, plain, answer, new, mesh.boundary_vertices)
         rows.append(
-            (
-                name,
-                "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size",
-            )
+            (name, "same" if difference <= 1.0 else f"differs, by {difference * 1e-4:.2g} of its size")
         )
         if difference > 1.0:
             found.append(Convention(*REASONS[name], {}))
@@ -97,8 +95,7 @@ def check(
         rows += [("answer on the mesh", own.verdict), *own.table]
     if not any(c.name.startswith(("depends", "fails", "the answer")) for c in found):
         if own is not None:
-            return Report(own.quantity, own.status, own.verdict, tuple(found), own.largest, own.rms,
-                          own.tolerance, own.vertex, tuple(rows))  # fmt: skip
+            return replace(own, conventions=tuple(found), table=tuple(rows))
         verdict = "right: the answer does not depend on order, numbers, place, axes or unit"
     status: Status = "mistake" if verdict.startswith("mistake") else "right"
     return Report("a function", status, verdict, tuple(found), table=tuple(rows))

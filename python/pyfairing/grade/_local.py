@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
@@ -34,22 +35,15 @@ def mean_curvature(mesh: Mesh, H: Any, weights: Weights = "cotangent") -> Report
     """
     values = _inputs.loaded(H, "H")
     table, conventions = [], _pointwise.MEAN
-    if values.shape == (mesh.n_vertices, 3):
-        values = np.linalg.norm(values, axis=1)
+    if values.shape in ((mesh.n_vertices, 3), (3, mesh.n_vertices)):
+        values = np.linalg.norm(_inputs.vectors(values, mesh, "H"), axis=1)
         table.append(("vectors", "judged by their length"))
         vector = _pointwise.usual("the vector 2Hn", "Δx = -2Hn in place of H", factor=2.0)
         conventions = (vector, *conventions)
     formula = partial(_pointwise.mean_curvature, weights=weights)
     name = f"mean curvature H ({weights} weights)"
     return judge(
-        Case(
-            name,
-            _inputs.scalars(values, mesh, "H"),
-            Facts(mesh),
-            formula,
-            conventions,
-            table=table,
-        )
+        Case(name, _inputs.scalars(values, mesh, "H"), Facts(mesh), formula, conventions, table=table)
     )
 
 
@@ -65,11 +59,7 @@ def gaussian_curvature(mesh: Mesh, K: Any) -> Report:
     """
     values = _inputs.scalars(K, mesh, "K")
     case = Case(
-        "Gaussian curvature K",
-        values,
-        Facts(mesh),
-        _pointwise.gaussian_curvature,
-        _pointwise.GAUSSIAN,
+        "Gaussian curvature K", values, Facts(mesh), _pointwise.gaussian_curvature, _pointwise.GAUSSIAN
     )
     report = judge(case)
     if report.status != "unexplained":
@@ -83,27 +73,14 @@ def _quotient(case: Case, report: Report) -> Report:
     for edge in (np.pi, 2 * np.pi):
         defect, size = _pointwise.gaussian_curvature(case.facts, edge=edge, measure="integrated")
         clear = case.rows & (np.abs(defect) > 1e-5 * size)
-        first, second = (
-            np.argsort(np.argsort(np.abs(x[clear]))) for x in (defect, case.given / defect)
-        )
+        first, second = (np.argsort(np.argsort(np.abs(x[clear]))) for x in (defect, case.given / defect))
         if clear.sum() < 9 or abs(np.corrcoef(first, second)[0, 1]) > 0.5:
             continue
         same_signs = (np.sign(case.given[clear]) == np.sign(defect[clear])).all()
         if same_signs and np.ptp(np.sign(defect[clear])) > 0:
-            found = Convention(
-                "wrong area", "the signs are right, the area is none of the known ones", {}
-            )
-            return Report(
-                case.quantity,
-                "mistake",
-                "mistake: wrong area under the right angle defect",
-                (found,),
-                report.largest,
-                report.rms,
-                report.tolerance,
-                report.vertex,
-                report.table,
-            )
+            where = "the signs are right, the area is none of the known ones"
+            words = "mistake: wrong area under the right angle defect"
+            return joined(report, "mistake", words, (Convention("wrong area", where, {}),))
     return report
 
 
@@ -134,9 +111,7 @@ def principal_curvatures(mesh: Mesh, kappa: Any) -> Report:
             for area in ("mixed", "voronoi", "barycentric"):
                 H = _pointwise.mean_curvature(facts, area=area, **change)[0]
                 K = _pointwise.gaussian_curvature(facts, area=area)[0]
-                case.masks[f"where H² < K{words}{', ' + area if area != 'mixed' else ''}"] = (
-                    H**2 < K
-                )
+                case.masks[f"where H² < K{words}{', ' + area if area != 'mixed' else ''}"] = H**2 < K
     return judge(case)
 
 
@@ -193,9 +168,7 @@ def _mass(facts: Facts, M: Any) -> Report:
             return judge(Case("mass matrix M", matrix, facts, _consistent, CONSISTENT))
         values = diagonal
     values = _inputs.scalars(values, facts.mesh, "M")
-    return judge(
-        Case("mass M", values, facts, _pointwise.mass, _pointwise.MASS, per_corner=corners)
-    )
+    return judge(Case("mass M", values, facts, _pointwise.mass, _pointwise.MASS, per_corner=corners))
 
 
 def _consistent(facts: Facts, *, factor: float = 1.0) -> _engine.Answer:
@@ -237,11 +210,7 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         return judge(case)
     of_mass = _mass(facts, M)
     masses = _inputs.loaded(M, "M")
-    masses = (
-        masses.diagonal()
-        if masses.shape == (facts.n, facts.n)
-        else _inputs.scalars(masses, mesh, "M")
-    )
+    masses = masses.diagonal() if masses.shape == (facts.n, facts.n) else _inputs.scalars(masses, mesh, "M")
     report = judge(case)
     rows: tuple[tuple[str, str], ...] = (("L", report.verdict), ("M", of_mass.verdict))
     if of_mass.quantity == "mass M" and np.isfinite(masses).all() and (masses != 0).all():
@@ -254,33 +223,24 @@ def laplacian(mesh: Mesh, L: Any, M: Any = None, weights: Weights = "cotangent")
         )
         whole = judge(quotient)
         rows = (("quotient M⁻¹ L", whole.verdict), *rows)
-        if whole.right and not (report.right and of_mass.right):
-            c = float(np.median(masses) / np.median(facts.area("barycentric")))
+        c = float(np.median(masses) / np.median(facts.area("barycentric")))
+        if whole.right and c > 0 and not (report.right and of_mass.right):
             both = _pointwise.usual(f"S and M both times {c:.4g}", "the factors cancel in M⁻¹ S")
             names = (both, *whole.conventions)
             return joined(
-                whole,
-                "convention",
-                f"right by another convention: {_engine.naming(names)}",
-                names,
-                rows,
+                whole, "convention", f"right by another convention: {_engine.naming(names)}", names, rows
             )
     if report.right and of_mass.right:
-        conventions = (
-            *report.conventions,
-            *(c for c in of_mass.conventions if c not in report.conventions),
-        )
+        conventions = (*report.conventions, *(c for c in of_mass.conventions if c not in report.conventions))
         kind = "convention" if "convention" in (report.status, of_mass.status) else "right"
-        words = (
-            f"right by another convention: {_engine.naming(conventions)}"
-            if conventions
-            else "right"
-        )
+        words = f"right by another convention: {_engine.naming(conventions)}" if conventions else "right"
         return joined(report, kind, words, conventions, rows)
     wrong = report if not report.right else of_mass
     names = report.conventions + of_mass.conventions
-    parts = " and ".join(text for text, part in (("L", report), ("M", of_mass)) if not part.right)
-    return joined(wrong, wrong.status, f"{wrong.verdict} (in {parts})", names, rows)
+    judged = (("L", report), ("M", of_mass))
+    words = f"{wrong.verdict} (in {' and '.join(text for text, part in judged if not part.right)})"
+    words += "".join(f"; {text} is {part.verdict}" for text, part in judged if part.status == "convention")
+    return joined(wrong, wrong.status, words, names, rows)
 
 
 def joined(
@@ -288,16 +248,8 @@ def joined(
     status: Any,
     verdict: str,
     names: tuple[Convention, ...],
-    rows: tuple[tuple[str, str], ...],
+    rows: tuple[tuple[str, str], ...] = (),
 ) -> Report:
-    return Report(
-        report.quantity,
-        status,
-        verdict,
-        names,
-        report.largest,
-        report.rms,
-        report.tolerance,
-        report.vertex,
-        report.table + rows,
-    )
+    """The report with another verdict and more rows."""
+    table = report.table + rows
+    return replace(report, status=status, verdict=verdict, conventions=names, table=table)

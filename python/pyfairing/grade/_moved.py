@@ -18,9 +18,7 @@ def _normal_error(one: Mesh, other: Mesh) -> float:
     """Mean angle between face normals, in degrees."""
     cosines = (Facts(one).cross * Facts(other).cross).sum(axis=1)
     lengths = 4 * Facts(one).face_areas * Facts(other).face_areas
-    return float(
-        np.rad2deg(np.arccos(np.clip(cosines / np.maximum(lengths, 1e-300), -1, 1))).mean()
-    )
+    return float(np.rad2deg(np.arccos(np.clip(cosines / np.maximum(lengths, 1e-300), -1, 1))).mean())
 
 
 def _distance(one: Floats, other: Floats) -> float:
@@ -60,17 +58,13 @@ def denoised(mesh: Mesh, vertices: Any, truth: Mesh) -> Report:
         ("normal error", f"{before_angle:.2f}° before, {after_angle:.2f}° after (mean over faces)"),
         ("distance", f"{before:.3g} before, {now:.3g} after (RMS over vertices, mesh units)"),
         ("size", f"{100 * scale:.1f} % of the truth"),
-        (
-            "volume",
-            f"{100 * volume(facts, given) / (volume(facts, y) or 1.0):.1f} % of the truth",
-        ),
+        ("volume", f"{100 * volume(facts, given) / (volume(facts, y) or 1.0):.1f} % of the truth"),
     )
     slips = {
         "nothing was moved": (_distance(given, x) < 1e-9 * size, "the noisy mesh is returned"),
         "the truth itself": (now < 1e-9 * size, "the mesh without noise is returned"),
         "vertices in another order": (
-            now > 10 * before
-            and _distance(np.sort(given, axis=0), np.sort(y, axis=0)) < 2 * before,
+            now > 10 * before and _distance(np.sort(given, axis=0), np.sort(y, axis=0)) < 2 * before,
             "the file was written in another order, or vertices were merged",
         ),
         "shifted": (

@@ -34,13 +34,7 @@ def laplacian(
 
 
 def _operator(
-    facts: Facts,
-    weights: str,
-    scaled: str,
-    area: str,
-    area_factor: float,
-    diagonal: str,
-    border: str,
+    facts: Facts, weights: str, scaled: str, area: str, area_factor: float, diagonal: str, border: str
 ) -> Csr:
     matrix = facts.stiffness(weights)
     over = area_factor * facts.area(area)

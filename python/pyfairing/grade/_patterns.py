@@ -24,9 +24,7 @@ def undefined(case: Case) -> Convention:
     bad = ~case.rows
     if case.wild.any():
         count = f"{int(case.wild.sum())} {plural(case.what)}, first at {int(case.wild.argmax())}"
-        return Convention(
-            f"values without measure at {count}", "memory that was never set to 0", {}
-        )
+        return Convention(f"values without measure at {count}", "memory that was never set to 0", {})
     masks: dict[str, tuple[Bools, str]] = {}
     facts = case.facts
     if facts is not None and len(bad) == facts.n:
@@ -37,23 +35,15 @@ def undefined(case: Case) -> Convention:
         masks = {
             "inside": (inner, "only the branch for the border returns a value"),
             "at the border": (facts.border, "a neighbour or a face that does not exist, or 0/0"),
-            "at flat vertices": (
-                flat,
-                "a division 0/0, such as s/|s| for a sign or v/‖v‖ of a zero vector",
-            ),
+            "at flat vertices": (flat, "a division 0/0, such as s/|s| for a sign or v/‖v‖ of a zero vector"),
             "at flat vertices inside": (flat & inner, "a division 0/0, such as s/|s| for a sign"),
             "at isolated vertices": (facts.degree == 0, "a division by the area or the degree 0"),
-            "where a triangle is obtuse": (
-                facts.obtuse,
-                "the logarithm or root of a negative cotangent",
-            ),
+            "where a triangle is obtuse": (facts.obtuse, "the logarithm or root of a negative cotangent"),
         }
         for name, mask in case.masks.items():
             masks[name] = (mask, "a root of a negative number: clamp it at 0")
         smallest = facts.corner_sizes["smallest angle"]
-        needles = (smallest < np.deg2rad(1.0)) | (
-            facts.corner_sizes["largest angle"] > np.deg2rad(178)
-        )
+        needles = (smallest < np.deg2rad(1.0)) | (facts.corner_sizes["largest angle"] > np.deg2rad(178))
         masks["at needles"] = (needles, "acos of a number just above 1: clamp it, or take atan2")
     for name, (mask, reason) in masks.items():
         if (mask == bad).all():
@@ -68,15 +58,9 @@ def undefined(case: Case) -> Convention:
     )
 
 
-def difference_in_words(
-    case: Case, trial: Trial, wrong: Bools
-) -> tuple[str, tuple[Convention, ...]]:
+def difference_in_words(case: Case, trial: Trial, wrong: Bools) -> tuple[str, tuple[Convention, ...]]:
     """The wrong values against ours."""
-    given = (
-        np.asarray(case.given.todense())
-        if hasattr(case.given, "todense")
-        else np.asarray(case.given)
-    )
+    given = np.asarray(case.given.todense()) if hasattr(case.given, "todense") else np.asarray(case.given)
     ours = np.asarray(trial.values.todense()) if hasattr(trial.values, "todense") else trial.values
     mine, theirs = ours[wrong], given[wrong]
     if not wrong.any():
@@ -90,16 +74,11 @@ def difference_in_words(
         ratios = flat[filled] / own[filled]
         if np.ptp(ratios) < 1e-4 * abs(ratios[0]):
             name = _number(ratios[0])
-            return f"the values are ours times {name}", (
-                Convention(f"times {name} there", "there", {}),
-            )
+            return f"the values are ours times {name}", (Convention(f"times {name} there", "there", {}),)
     errors = np.where(wrong, trial.error, 0.0)
     worst = int(np.nan_to_num(errors).argmax())
     if given.ndim == 1:
-        return (
-            f"values differ, such as {given[worst]:.4g} for {ours[worst]:.4g} at vertex {worst}",
-            (),
-        )
+        return (f"values differ, such as {given[worst]:.4g} for {ours[worst]:.4g} at vertex {worst}", ())
     return f"the values differ, by up to {errors[worst]:.3g} at vertex {worst}", ()
 
 
@@ -116,19 +95,8 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
     for words, mask in rows:
         for tests, tried in (
             ((_factor, _field, _signs), simple),
-            (
-                (
-                    _rounded,
-                    _clipped,
-                    _rolled,
-                    _affine,
-                    _monotone,
-                    _columns,
-                    _directions,
-                    _entries_of,
-                ),
-                near,
-            ),
+            ((_rounded,), near),
+            ((_clipped, _rolled, _affine, _monotone, _columns, _directions, _entries_of), near),
         ):
             for trial in tried:
                 for test in tests:
@@ -136,16 +104,15 @@ def unexplained(case: Case, trials: list[Trial]) -> Report:
                     if found is None:
                         continue
                     names = f"{naming(trial.conventions)} and " if trial.conventions else ""
-                    kind: Status = (
-                        "mistake" if found.fault or trial.faults or words else "convention"
-                    )
+                    kind: Status = "mistake" if found.fault or trial.faults or words else "convention"
                     start = "mistake" if kind == "mistake" else "right by another convention"
                     text = f"{start}: {names}{found.name} ({found.where}){words}"
                     return measured(case, trial, kind, text, case.table, (found,))
     if base is None:
         return Report(case.quantity, "unexplained", "no formula applies to this mesh")
-    for found in _structure(case, base):
-        return measured(case, base, "mistake", f"mistake: {found.name}", case.table, (found,))
+    for trial in near:
+        for found in _structure(case, trial):
+            return measured(case, trial, "mistake", f"mistake: {found.name}", case.table, (found,))
     return _places(case, trials)
 
 
@@ -205,9 +172,7 @@ def _name_of_factor(case: Case, c: float) -> str:
         for power, form in ((1, "{}"), (-1, "1 / {}")):
             for k in (1.0, 2.0, 0.5, -1.0):
                 if abs(c - k * value**power) < 3e-5 * abs(c):
-                    return (
-                        form.format(text) if k == 1 else f"{_number(k)} times {form.format(text)}"
-                    )
+                    return form.format(text) if k == 1 else f"{_number(k)} times {form.format(text)}"
     return name
 
 
@@ -257,9 +222,7 @@ def _field(case: Case, trial: Trial, mask: Bools) -> Convention | None:
             if spread < min(1e-4, 0.05 * np.ptp(values**power) / np.median(values**power)):
                 c = float(np.median(constant))
                 more = "" if abs(c - 1) < 1e-4 else f" (and times {_number(c)})"
-                return Convention(
-                    form.format(name) + more, "a factor of its own at each vertex", {}
-                )
+                return Convention(form.format(name) + more, "a factor of its own at each vertex", {})
     return None
 
 
@@ -275,24 +238,27 @@ def _signs(case: Case, trial: Trial, mask: Bools) -> Convention | None:
         return None
     if (given >= 0).all():
         return Convention("absolute value", "the sign is dropped", {})
-    text = (
-        f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
-    )
+    text = f"at {int(wrong.sum())} of {len(wrong)}: one component, or a comparison, decides the sign"
     return Convention("right sizes with wrong signs", text, {})
 
 
 def _rounded(case: Case, trial: Trial, mask: Bools) -> Convention | None:
-    """Ours, rounded to decimals."""
+    """Ours, rounded to decimals, to digits or to half precision."""
     parts = _entries(case, trial, mask)
     if parts is None:
         return None
-    for digits in range(7):
-        step = 10.0**-digits
-        steps, close = parts[0] / step, np.abs(parts[0] - parts[1]) < step
-        whole_steps = np.abs(steps - np.round(steps)) < 1e-6 * (1 + np.abs(steps))
-        if whole_steps.all() and close.all() and np.ptp(parts[0]) > 0.5 * step:
-            text = f"rounded to {digits} decimals"
-            return Convention(text, "the file, or integers", {}, digits < 2)
+    given, ours, tolerance = parts
+    size = np.maximum(np.abs(given), 1e-300)
+    steps: dict[str, Any] = {f"{d} decimals": 10.0**-d for d in range(7)}
+    steps |= {f"{d} digits": 10.0 ** (np.floor(np.log10(size)) + 1 - d) for d in range(2, 5)}
+    steps["half precision"] = np.maximum(2.0 ** np.floor(np.log2(size)), 2.0**-14) / 2**10
+    off = np.abs(given - ours) - tolerance.reshape(-1, *[1] * (given.ndim - 1))
+    for name, step in steps.items():
+        count = given / step
+        whole_steps = np.abs(count - np.round(count)) < 1e-6 * (1 + np.abs(count))
+        if whole_steps.all() and (off < step).all() and np.ptp(given) > 0.5 * np.min(step):
+            fault = name in ("0 decimals", "1 decimals")
+            return Convention(f"rounded to {name}", "the file, or integers", {}, fault)
     return None
 
 
@@ -305,30 +271,19 @@ def _clipped(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     low, high = given.min(), given.max()
     cut = np.abs(np.clip(ours, low, high) - given) <= tolerance
     if cut.all() and low < high and 0.2 < ((ours > low) & (ours < high)).mean():
-        return Convention(
-            f"cut off at {low:.4g} and {high:.4g}", "values clipped for a picture", {}
-        )
+        return Convention(f"cut off at {low:.4g} and {high:.4g}", "values clipped for a picture", {})
     return None
 
 
 def _rolled(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """Ours at the next vertex."""
     given, ours = case.given, trial.values
-    if (
-        hasattr(given, "todense")
-        or given.shape != ours.shape
-        or case.what != "vertex"
-        or not mask.all()
-    ):
+    if hasattr(given, "todense") or given.shape != ours.shape or case.what != "vertex" or not mask.all():
         return None
     for shift, words in ((1, "later"), (-1, "earlier")):
         moved = np.roll(ours, shift, axis=0)
-        if (row_norm(given - moved) <= np.roll(trial.tolerance, shift))[2:-2].all() and np.ptp(
-            ours
-        ) > 0:
-            return Convention(
-                f"moved by one vertex, {words}", "indices from 1, or a line skipped", {}
-            )
+        if (row_norm(given - moved) <= np.roll(trial.tolerance, shift))[2:-2].all() and np.ptp(ours) > 0:
+            return Convention(f"moved by one vertex, {words}", "indices from 1, or a line skipped", {})
     return None
 
 
@@ -363,9 +318,7 @@ def _monotone(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     for sign, words in ((1, "rising"), (-1, "falling")):
         if (sign * steps >= -1e-9 * spread)[gaps].all():
             return Convention(
-                f"a {words} function of ours",
-                "a logarithm, a root, an equalised histogram or colours",
-                {},
+                f"a {words} function of ours", "a logarithm, a root, an equalised histogram or colours", {}
             )
     return None
 
@@ -376,6 +329,13 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3:
         return None
     given, ours, tolerance = parts
+    for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
+        for flip in (1.0, -1.0):
+            turned = ours[:, list(order)] * [1.0, flip, 1.0]
+            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(case, trial, mask):
+                return Convention(
+                    f"axes in the order {''.join('xyz'[k] for k in order)}", "a file of another tool", {}
+                )
     good = [(np.abs(given[:, k] - ours[:, k]) <= tolerance).all() for k in range(3)]
     if any(g and np.ptp(x) > 0 for g, x in zip(good, ours.T)) and not all(good):
         names = "xyz"
@@ -385,31 +345,15 @@ def _columns(case: Case, trial: Trial, mask: Bools) -> Convention | None:
             for k in range(3) if not good[k]
         )  # fmt: skip
         return Convention(
-            f"wrong in {wrong} alone",
-            "a coordinate is not moved" if still else "one coordinate",
-            {},
+            f"wrong in {wrong} alone", "a coordinate is not moved" if still else "one coordinate", {}
         )
-    for order in ((0, 2, 1), (1, 0, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)):
-        for flip in (1.0, -1.0):
-            turned = ours[:, list(order)] * [1.0, flip, 1.0]
-            if (row_norm(given - turned) <= 3 * tolerance).all() and informative(case, trial, mask):
-                return Convention(
-                    f"axes in the order {''.join('xyz'[k] for k in order)}",
-                    "a file of another tool",
-                    {},
-                )
     return None
 
 
 def _directions(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     """Vectors of the right direction, with other lengths or signs."""
     parts = _entries(case, trial, mask)
-    if (
-        parts is None
-        or parts[0].ndim != 2
-        or parts[0].shape[1] != 3
-        or case.quantity != "vertex normals"
-    ):
+    if parts is None or parts[0].ndim != 2 or parts[0].shape[1] != 3 or case.quantity != "vertex normals":
         return None
     given, ours, _ = parts
     lengths = row_norm(given)
@@ -421,9 +365,7 @@ def _directions(case: Case, trial: Trial, mask: Bools) -> Convention | None:
     if (cosines > 0).all() or (cosines < 0).all():
         return Convention("right directions, other lengths", "not normalised", {})
     return Convention(
-        "some normals inward",
-        f"{int((cosines < 0).sum())} of {len(cosines)}: not oriented by the faces",
-        {},
+        "some normals inward", f"{int((cosines < 0).sum())} of {len(cosines)}: not oriented by the faces", {}
     )
 
 
@@ -439,24 +381,16 @@ def _entries_of(case: Case, trial: Trial, mask: Bools) -> Convention | None:
 
     for name, part in (("upper", triu), ("lower", tril)):
         if close(given, part(ours)):
-            return Convention(
-                f"{name} triangle only", "each edge is entered once, not for both vertices", {}
-            )
+            return Convention(f"{name} triangle only", "each edge is entered once, not for both vertices", {})
     if close(given, ours.T.tocsr()):
         return Convention("transposed", "rows and columns are exchanged", {})
     own, theirs = ours.diagonal(), given.diagonal()
     if close(given - diags(theirs), ours - diags(own)):
         known = (
-            {"the degree": case.facts.degree, "minus the degree": -case.facts.degree}
-            if case.facts
-            else {}
+            {"the degree": case.facts.degree, "minus the degree": -case.facts.degree} if case.facts else {}
         )
-        name = next(
-            (n for n, d in known.items() if np.abs(theirs - d).max() < 1e-9), "other values"
-        )
-        return Convention(
-            f"right but for the diagonal, which has {name}", "the diagonal is the row sum", {}
-        )
+        name = next((n for n, d in known.items() if np.abs(theirs - d).max() < 1e-9), "other values")
+        return Convention(f"right but for the diagonal, which has {name}", "the diagonal is the row sum", {})
     return None
 
 
@@ -470,9 +404,7 @@ def _structure(case: Case, base: Trial) -> Iterator[Convention]:
     rough = 1e-5 * np.abs(ours).max() + 1e-7 * size
     top = np.abs(given).max()
     if top <= 1e-9 * size:
-        where = (
-            "nothing was added, or an absolute threshold leaves out every triangle: scale the mesh"
-        )
+        where = "nothing was added, or an absolute threshold leaves out every triangle: scale the mesh"
         yield Convention("0 everywhere", where, {})
     elif len(given) > 3 and np.ptp(given, axis=0).max() <= 1e-9 * max(size, top):
         where = "a sum over all faces in place of the incident ones, or a mean"
@@ -480,14 +412,11 @@ def _structure(case: Case, base: Trial) -> Iterator[Convention]:
     if case.per_corner is not None and case.rows.all() and _one_face(case, rough):
         where = "assigned where it must be added: the last face to be visited wins"
         yield Convention("the value of one incident face", where, {})
-    order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (given, ours)]
-    close = (np.abs(given[order[0]] - ours[order[1]]) <= 3 * rough).all()
-    if (
-        close
-        and case.what == "vertex"
-        and len(given) > 3
-        and np.ptp(ours, axis=0).max() > 100 * rough
-    ):
+    # Signs of numbers may be rounding.
+    one, other = (given, ours) if given.ndim > 1 else (np.abs(given), np.abs(ours))
+    order = [np.lexsort(x.reshape(len(x), -1).T[::-1].round(9)) for x in (one, other)]
+    close = (np.abs(one[order[0]] - other[order[1]]) <= 3 * rough).all()
+    if close and case.what == "vertex" and len(given) > 3 and np.ptp(ours, axis=0).max() > 100 * rough:
         where = "vertices were merged, sorted or renumbered"
         yield Convention("our values in another order", where, {})
     shift = np.median(given - ours, axis=0)
@@ -516,9 +445,7 @@ def _places(case: Case, trials: list[Trial]) -> Report:
     """Where the difference to the nearest formula begins."""
 
     # Half of the values right outweighs any nearness of the others.
-    ranked = sorted(
-        trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions))
-    )
+    ranked = sorted(trials, key=lambda t: (-round(float(t.good.mean()), 2), t.median, len(t.conventions)))
     full = (whole(case, t) for t in ranked[:20])
     best = next((t for t in full if informative(case, t, case.rows)), whole(case, ranked[0]))
     near = f"nearest: {naming(best.conventions)}, right at {100 * best.good.mean():.0f} %"

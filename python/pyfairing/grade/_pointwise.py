@@ -100,9 +100,7 @@ def mean_curvature(
             values = np.abs(values)
         return bordered(facts, factor * values, border), np.abs(factor) * size
     key = ("vector", weights, area, area_factor, measure, side)
-    vector, size = facts.remember(
-        key, lambda: _vector(facts, weights, area, area_factor, measure, side)
-    )
+    vector, size = facts.remember(key, lambda: _vector(facts, weights, area, area_factor, measure, side))
     values = bordered(facts, factor * _read(facts, vector, read, normal), border)
     if read not in ("signed", "uniform sign", "one component", "any component"):
         return values, np.abs(factor) * size
@@ -196,8 +194,8 @@ WEIGHTS = (
 )  # fmt: skip
 
 MEAN = (
-    Convention("length of the vector, with the sign of its part along the normal",
-               "‖½ M⁻¹ S x‖ in place of a scalar product", {"read": "signed"}, fault=False,
+    Convention("signed length of the vector", "‖½ M⁻¹ S x‖ with the sign of the part along the "
+               "normal, in place of that part", {"read": "signed"}, fault=False,
                note=True, base=True),
     same("length of the vector, with a sign by the mean of the neighbours",
          "normal · (mean - vertex)", read="uniform sign"),
@@ -362,12 +360,7 @@ MASS = (
 
 
 def vertex_normals(
-    facts: Facts,
-    *,
-    weight: str = "area",
-    length: str = "unit",
-    factor: float = 1.0,
-    border: str = "",
+    facts: Facts, *, weight: str = "area", length: str = "unit", factor: float = 1.0, border: str = ""
 ) -> Answer:
     """Outward unit normals, and variants; (n, 3)."""
     if weight == "mean curvature":

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-Status: TypeAlias = Literal[
-    "right", "convention", "border", "obtuse", "mistake", "unexplained", "unreadable"
-]
+Status: TypeAlias = Literal["right", "convention", "border", "obtuse", "mistake", "unexplained", "unreadable"]
 
 
 @dataclass(frozen=True)
@@ -38,9 +36,9 @@ class Convention:
     base: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
-    """A verdict on a student's answer; `str` begins with the sentence, then comes a table.
+    """A verdict on a student's answer; printed, it is a sentence, then a table.
 
     Attributes
     ----------
@@ -83,7 +81,7 @@ class Report:
         """The names of the conventions and mistakes."""
         return tuple(c.name for c in self.conventions)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         rows = [("judged", self.quantity)]
         rows += [(c.name, c.where) for c in self.conventions]
         if self.largest is not None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .._arrays import Floats
+from .._solvers import eigsh
 from ._engine import Answer
 from ._facts import Facts
 from ._pointwise import common, same, slip, usual
@@ -35,14 +36,9 @@ def _pairs(facts: Facts, k: int, weights: str, mass: str) -> tuple[Floats, Float
             warnings.simplefilter("ignore")
             s = facts.mesh.spectrum(k, weights, mass)  # type: ignore[arg-type]
         return s.values, s.modes, s.clusters()
-    if facts.n > DENSE:
-        raise ValueError("too many vertices")
-    from scipy.linalg import eigh
-
-    m = facts.mesh.laplacian("uniform", mass).mass.toarray()  # type: ignore[arg-type]
-    stiffness = facts.stiffness(weights).toarray()
-    values, modes = eigh((stiffness + stiffness.T) / 2, m)
-    values, modes = values[:k], modes[:, :k]
+    m: Any = facts.mesh.laplacian("uniform", mass).mass  # type: ignore[arg-type]
+    stiffness = facts.stiffness(weights)
+    values, modes = eigsh((stiffness + stiffness.T) / 2, k, m, which="SA")
     gap = np.diff(values) > 1e-6 * (np.abs(values[1:]) + 1e-3 * np.abs(values).max())
     starts = [0, *(np.flatnonzero(gap) + 1), len(values)]
     return values, modes, [range(a, b) for a, b in pairwise(starts)]
@@ -140,9 +136,7 @@ def modes(
         raise ValueError("too few vertices")
     _, phi, clusters = pairs(facts, first + k, weights, mass)
     m = mass_of(facts, mass)
-    weight = facts.area(
-        "barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed")
-    )
+    weight = facts.area("barycentric" if mass in ("unit", "degree") else mass.replace("consistent", "mixed"))
     column = given[::-1].T if order == "descending" else given.T
     # Modes that were not mapped back are M^scale φ.
     own = column * weight[:, None] ** -scale if scale else column
@@ -186,9 +180,7 @@ def lengths(facts: Facts, given: Floats) -> tuple[str, Convention | None]:
     ):  # fmt: skip
         if (np.abs(weighted - wanted) < 1e-3 * wanted).all():
             return name, convention
-    return "of no common length (the scale of a mode is free)", same(
-        "scaled", "the scale of each mode"
-    )
+    return "of no common length (the scale of a mode is free)", same("scaled", "the scale of each mode")
 
 
 def reconstruction(
