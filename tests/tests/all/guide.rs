@@ -153,6 +153,8 @@ fn picture_fault(folder: &Path, committed: &Path) -> Option<String> {
     (!is_same).then(|| format!("{name} looks different; delete it, and this test draws it again"))
 }
 
+/// All commands of the guide, its pictures too: ten seconds, because no other test runs what a page
+/// shows.
 #[test]
 fn commands_print_what_their_pages_show() {
     let mut faults = vec![];

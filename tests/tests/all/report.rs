@@ -282,7 +282,8 @@ fn meshes_that_share_a_name_are_both_in_the_report() {
 }
 
 /// The forms of the command, one after another, into one folder and over one folder of kept
-/// experiments. Whole runs, with every experiment, are a step of `cargo xtask ci`.
+/// experiments: ten seconds, because each form reads what those before have left. Whole runs, with
+/// every experiment, are a step of `cargo xtask ci`.
 #[test]
 fn every_form_runs_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
