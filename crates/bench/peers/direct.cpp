@@ -64,10 +64,6 @@ int main(int argc, char **argv) {
         std::cerr << "cannot read " << path << "\n";
         return 1;
     }
-    if (method == "eigen-llt") {
-        Eigen::SimplicialLLT<Matrix> solver;
-        return run(solver, a, b, path);
-    }
     if (method == "eigen-ldlt") {
         Eigen::SimplicialLDLT<Matrix> solver;
         return run(solver, a, b, path);

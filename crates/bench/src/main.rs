@@ -76,6 +76,9 @@ struct Bench {
     /// For the page: results of a comparison with other libraries, as JSON
     #[arg(long, value_name = "FILE")]
     comparison: Option<PathBuf>,
+    /// For the page: the tables that `leaderboard` has printed
+    #[arg(long, value_name = "FILE")]
+    leaderboard: Option<PathBuf>,
     /// For the page: the finest sphere, as subdivisions of the icosahedron; 10 has ten million
     /// vertices
     #[arg(long, default_value_t = 10)]
@@ -161,7 +164,8 @@ fn run(options: Bench) -> Result<()> {
         return Ok(());
     };
     if task == "page" {
-        return page::write(options.comparison.as_deref(), options.finest);
+        let [comparison, leaderboard] = [&options.comparison, &options.leaderboard];
+        return page::write(comparison.as_deref(), leaderboard.as_deref(), options.finest);
     }
     if task == "hubs" {
         return hubs::run();
