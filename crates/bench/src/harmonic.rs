@@ -47,7 +47,7 @@ const ACCURATE: f64 = 1e-14;
 ///
 /// A small backward error does not mean an accurate solution: on an armadillo of 173 thousand
 /// vertices in a unit box, the two triharmonic systems have errors of 10⁻¹⁵ and solutions of which
-/// no digit agrees, because the rounding errors of W³ exceed M.
+/// no digit agrees.
 pub(crate) fn harmonic(job: &Job) -> Result<Work> {
     let system = SYSTEMS.get(job.k.wrapping_sub(1)).with_context(|| {
         let names: Vec<_> = SYSTEMS.iter().map(|(name, _)| *name).collect();

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, ensure};
-use fairing_mesh::io;
+use fairing_mesh::{TriMesh, io};
 use serde_json::Value;
 
 use crate::fresh::Fresh;
@@ -39,7 +39,13 @@ pub(crate) fn run(input: &Path, repeat: usize) -> Result<()> {
     let mesh = io::read(input)?.mesh;
     let folder = std::env::temp_dir().join(format!("fairing-leaderboard-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
-    let peers = compiled(&folder);
+    let done = tables(input, &mesh, &folder, repeat);
+    fs::remove_dir_all(&folder)?;
+    done
+}
+
+fn tables(input: &Path, mesh: &TriMesh, folder: &Path, repeat: usize) -> Result<()> {
+    let peers = compiled(folder);
     if let Err(reason) = &peers {
         println!("CHOLMOD and Eigen are left out: {reason:#}\n");
     }
@@ -49,7 +55,7 @@ pub(crate) fn run(input: &Path, repeat: usize) -> Result<()> {
         let ours = || ours(input, k + 1);
         let mut rows = vec![("Fairing".to_owned(), best(repeat, ours))];
         if let Ok(program) = &peers {
-            let equations = Equations::new(&mesh, system, &mut Stopwatch::default())?.stored()?;
+            let equations = Equations::new(mesh, system, &mut Stopwatch::default())?.stored()?;
             let path = folder.join("system");
             write(&equations, &path)?;
             for (method, words) in PEERS {
@@ -63,7 +69,6 @@ pub(crate) fn run(input: &Path, repeat: usize) -> Result<()> {
     if let Some(versions) = versions {
         println!("\n{versions}");
     }
-    fs::remove_dir_all(&folder)?;
     Ok(())
 }
 

@@ -301,7 +301,8 @@ fn harmonic(printed: &str) -> String {
          W = S, mixed areas in M and three columns, for k = 1, 2 and 3, and the mixed systems, which have an \
          unknown for each power of M⁻¹S and are indefinite. *Factor* includes the ordering, *Solve* our \
          corrections. The error is the componentwise relative backward error. It says nothing of the digits of \
-         u: the triharmonic systems of a fine mesh determine none in double precision.\n\n{}\n",
+         u: on an armadillo of 173 thousand vertices in a unit box, the two triharmonic systems had errors of \
+         10⁻¹⁵ and different solutions.\n\n{}\n",
         printed.trim().replace("\n# ", "\n### ")
     )
 }
