@@ -31,7 +31,7 @@ const PEERS: [(&str, &str); 4] = [
 /// Seconds after which a solver is stopped.
 const LIMIT: u64 = 60;
 
-/// A row of the table: seconds and the error, or the reason that there are none.
+/// A row of the table: seconds and the error, or the reason for their absence.
 type Row = (String, Result<[f64; 3]>);
 
 /// Measures all systems on a mesh and prints a table for each.

@@ -227,7 +227,7 @@ def rounds(case: Case, trial: Trial) -> bool:
 def explained(case: Case, fits: list[Trial], more: str = "") -> Report:
     """The report for conventions that fit everywhere (NaN apart)."""
     best = min(fits, key=lambda t: t.faults)
-    # Each set of conventions once; more of them than suffice are none.
+    # Each set of conventions once, without those that contain the best one and more.
     sets = {t.names: t for t in reversed(fits) if t.faults == best.faults}
     others = [t for names, t in sets.items() if not names >= best.names]
     table = list(case.table)
