@@ -8,6 +8,7 @@ mod hubs;
 mod leaderboard;
 mod operators;
 mod page;
+mod rock;
 mod smoothing;
 mod spectra;
 mod task;
@@ -32,7 +33,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 struct Bench {
     /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md,
     /// `hubs` times all verbs of the program on meshes with a vertex of thousands of faces,
-    /// `leaderboard` prints tables of k-harmonic systems in the form of sparse-solver-benchmark.
+    /// `leaderboard` prints tables of k-harmonic systems in the form of sparse-solver-benchmark,
+    /// `rock` writes a mesh without symmetry to --out.
     /// Without a task, the tasks are listed
     task: Option<String>,
     /// The mesh
@@ -158,6 +160,7 @@ fn run(options: Bench) -> Result<()> {
         println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
         println!("{:<22} all verbs on fans, stars, cones and combs of n and 4 n triangles", "hubs");
         println!("{:<22} k-harmonic systems on a mesh, beside CHOLMOD and Eigen", "leaderboard");
+        println!("{:<22} a mesh without symmetry, written to --out", "rock");
         for task in ALL {
             println!("{:<22} {}", task.name, task.about);
         }
@@ -173,6 +176,9 @@ fn run(options: Bench) -> Result<()> {
     if task == "leaderboard" {
         let input = options.input.as_deref().context("missing input mesh: --in FILE")?;
         return leaderboard::run(input, options.repeat);
+    }
+    if task == "rock" {
+        return rock::write(options.out.as_deref().context("missing output mesh: --out FILE")?);
     }
     if options.once {
         return once(&task, &options);
