@@ -8,6 +8,8 @@
 //!
 //! [duff1983]: https://doi.org/10.1145/356044.356047
 
+use std::sync::{Mutex, PoisonError};
+
 use fairing_watch::parallel::map_each;
 
 use crate::direct::backend::Stop;
@@ -52,11 +54,19 @@ pub(crate) fn factorize(
     for s in nodes_of_top {
         top.push((s, take(nodes.values(s))));
     }
-    let done = map_each(parts, |(part, values)| Ok((part, matrix.part(part, values)?)));
+    // Fresh memory costs as much as the arithmetic of a small part.
+    let spare: Mutex<Vec<Work<'_>>> = Mutex::default();
+    let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+    let done = map_each(parts, |(part, values)| {
+        let mut work = spare().pop().unwrap_or_default();
+        let rest = matrix.part(part, values, &mut work)?;
+        spare().push(work);
+        Ok((part, rest))
+    });
     // The first failure in the order of elimination.
     let done: Result<Vec<(&Part, Vec<f64>)>, Stop> = done.into_iter().collect();
     let mut done = done?.into_iter().peekable();
-    let mut work = Work::default();
+    let mut work = spare().pop().unwrap_or_default();
     for (s, values) in top {
         fairing_watch::check();
         while let Some((part, rest)) = done.next_if(|(part, _)| part.nodes.start < s) {
@@ -84,6 +94,7 @@ struct Work<'a> {
     open: Vec<Rest<'a>>,
     /// The lower triangles of their rests, by columns, in the same order.
     stack: Vec<f64>,
+    /// The rest of the current front: the lower triangle of a square.
     below: Vec<f64>,
     places: Vec<usize>,
     scaled: Vec<f64>,
@@ -91,15 +102,20 @@ struct Work<'a> {
 
 impl<'a> Matrix<'a> {
     /// Eliminates the supernodes of an independent subtree; returns the rest of the last.
-    fn part(self, part: &'a Part, mut values: &mut [f64]) -> Result<Vec<f64>, Stop> {
+    fn part(
+        self,
+        part: &'a Part,
+        mut values: &mut [f64],
+        work: &mut Work<'a>,
+    ) -> Result<Vec<f64>, Stop> {
         let nodes = self.nodes;
-        let mut work = Work::default();
         for s in part.nodes.clone() {
             let (own, after) = values.split_at_mut(nodes.values(s).len());
             values = after;
-            self.eliminate(s, part.columns.start, nodes.rows(s), own, &mut work)?;
+            self.eliminate(s, part.columns.start, nodes.rows(s), own, work)?;
         }
-        Ok(work.stack)
+        work.open.clear();
+        Ok(work.stack.drain(..).collect())
     }
 
     /// Eliminates one supernode; its rows are counted from `offset`.
@@ -118,16 +134,21 @@ impl<'a> Matrix<'a> {
                 column[place as usize] = self.scale * self.entries[entry as usize];
             }
         }
-        work.below.clear();
-        work.below.resize(rows.len() * rows.len(), 0.0);
+        if work.below.len() < rows.len() * rows.len() {
+            work.below.resize(rows.len() * rows.len(), 0.0);
+        }
+        for j in 0..rows.len() {
+            work.below[j * rows.len() + j..(j + 1) * rows.len()].fill(0.0);
+        }
         while let Some(child) = work.open.pop_if(|rest| self.nodes.parent(rest.node) == Some(s)) {
             places(child.rows, columns.start - offset, width, rows, &mut work.places);
             let start = work.stack.len() - triangle(child.rows.len());
-            add(&work.stack[start..], &work.places, values, width, height, &mut work.below);
+            let below = &mut work.below[..rows.len() * rows.len()];
+            add(&work.stack[start..], &work.places, values, width, height, below);
             work.stack.truncate(start);
         }
         Panel { values, width, height }
-            .eliminate(&mut work.below, self.definite, &mut work.scaled)
+            .eliminate(&mut work.below[..rows.len() * rows.len()], self.definite, &mut work.scaled)
             .map_err(|(column, pivot)| (columns.start + column, pivot))?;
         work.open.push(Rest { node: s, rows });
         for j in 0..rows.len() {
