@@ -9,7 +9,11 @@ export class Stack {
   static watch() {
     const narrow = matchMedia('(max-width: 40rem)');
     const all = [...document.querySelectorAll('svg.figure')].map((svg) => new Stack(svg));
-    const fit = () => all.forEach((figure) => figure.fit(narrow.matches));
+    const boxes = [...document.querySelectorAll('figure.picture')];
+    const fit = () => {
+      all.forEach((figure) => figure.fit(narrow.matches));
+      for (const box of boxes) box.classList.toggle('scrolls', narrow.matches && box.scrollWidth > box.clientWidth + 1);
+    };
     narrow.addEventListener('change', fit);
     addEventListener('resize', fit);
     // A figure in a closed fold has no size.
@@ -29,8 +33,6 @@ export class Stack {
 
   fit(narrow) {
     if (this.plots.length > 1 && narrow !== this.stacked) this.arrange(narrow);
-    const box = this.svg.closest('figure');
-    box?.classList.toggle('scrolls', narrow && box.scrollWidth > box.clientWidth + 1);
   }
 
   arrange(narrow) {
