@@ -32,7 +32,16 @@ export class Stack {
   }
 
   fit(narrow) {
-    if (this.plots.length > 1 && narrow !== this.stacked) this.arrange(narrow);
+    if (this.plots.length > 1) {
+      if (narrow !== this.stacked) this.arrange(narrow);
+    } else {
+      this.svg.style.width = narrow ? Stack.readable(this.beside[1][1]) : '';
+    }
+  }
+
+  /** Words stay readable: three quarters of their size at least. */
+  static readable(width) {
+    return `max(100%, ${0.75 * width}px)`;
   }
 
   arrange(narrow) {
@@ -59,7 +68,6 @@ export class Stack {
     // The ground is drawn as large as it may have to be.
     this.ground?.setAttribute('width', Math.max(width, Number(this.beside[1][1])));
     this.ground?.setAttribute('height', Math.max(y, Number(this.beside[2][1])));
-    // Words stay readable: three quarters of their size at least.
-    this.svg.style.width = `max(100%, ${0.75 * width}px)`;
+    this.svg.style.width = Stack.readable(width);
   }
 }
