@@ -12,7 +12,11 @@ export class Stack {
     const boxes = [...document.querySelectorAll('figure.picture')];
     const fit = () => {
       all.forEach((figure) => figure.fit(narrow.matches));
-      for (const box of boxes) box.classList.toggle('scrolls', narrow.matches && box.scrollWidth > box.clientWidth + 1);
+      for (const box of boxes) {
+        // The outermost pixels are empty.
+        const hidden = box.scrollWidth - box.clientWidth - Stack.MARGIN / 2;
+        box.classList.toggle('scrolls', narrow.matches && hidden > 0);
+      }
     };
     narrow.addEventListener('change', fit);
     addEventListener('resize', fit);
