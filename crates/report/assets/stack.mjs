@@ -9,7 +9,15 @@ export class Stack {
   static watch() {
     const narrow = matchMedia('(max-width: 40rem)');
     const all = [...document.querySelectorAll('svg.figure')].map((svg) => new Stack(svg));
-    const fit = () => all.forEach((figure) => figure.fit(narrow.matches));
+    const boxes = [...document.querySelectorAll('figure.picture')];
+    const fit = () => {
+      all.forEach((figure) => figure.fit(narrow.matches));
+      for (const box of boxes) {
+        // The outermost pixels are empty.
+        const hidden = box.scrollWidth - box.clientWidth - Stack.MARGIN / 2;
+        box.classList.toggle('scrolls', narrow.matches && hidden > 0);
+      }
+    };
     narrow.addEventListener('change', fit);
     addEventListener('resize', fit);
     // A figure in a closed fold has no size.
@@ -28,9 +36,16 @@ export class Stack {
   }
 
   fit(narrow) {
-    if (this.plots.length > 1 && narrow !== this.stacked) this.arrange(narrow);
-    const box = this.svg.closest('figure');
-    box?.classList.toggle('scrolls', narrow && box.scrollWidth > box.clientWidth + 1);
+    if (this.plots.length > 1) {
+      if (narrow !== this.stacked) this.arrange(narrow);
+    } else {
+      this.svg.style.width = narrow ? Stack.readable(this.beside[1][1]) : '';
+    }
+  }
+
+  /** Words stay readable: three quarters of their size at least. */
+  static readable(width) {
+    return `max(100%, ${0.75 * width}px)`;
   }
 
   arrange(narrow) {
@@ -57,7 +72,6 @@ export class Stack {
     // The ground is drawn as large as it may have to be.
     this.ground?.setAttribute('width', Math.max(width, Number(this.beside[1][1])));
     this.ground?.setAttribute('height', Math.max(y, Number(this.beside[2][1])));
-    // Words stay readable: three quarters of their size at least.
-    this.svg.style.width = `max(100%, ${0.75 * width}px)`;
+    this.svg.style.width = Stack.readable(width);
   }
 }

@@ -159,7 +159,7 @@ fn opens(chrome: &mut Chrome, page: &Path) -> Result<()> {
            document.querySelector('#rules').textContent]",
     )?;
     let [opening, claims] = [0, 1].map(|k| found[k].as_str().unwrap_or_default());
-    ensure!(opening.contains("Its one claim is half right."), "{opening}");
+    ensure!(opening.contains("one claim is half right."), "{opening}");
     ensure!(found[3].as_str().is_some_and(|rules| rules.contains("claim 5a")), "{found}");
     ensure!(claims.contains("λ = 0.05 is best") && found[2] == 0, "{found}");
     let source = chrome.run(

@@ -541,7 +541,7 @@ mod tests {
         };
         let text = seen("part", &[0.1, 1.0, 2.0], &[SHAPE, smooth, round, exploded]);
         let expected = "The normal error is smallest at λ = 0.1, 5° instead of 20°; from λ = 1 on \
-             most creases turn by less than 30°; at λ = 2 it has diverged.";
+             most creases turn by less than 30°; at λ = 2 the mesh has diverged.";
         assert_eq!(text, expected);
         assert!(!seen("part", &[0.1, 1.0], &[SHAPE, smooth, round]).contains("diverged"));
         let worse = Measures { normal: Some(30.0), ..SHAPE };
@@ -550,8 +550,8 @@ mod tests {
         let clean = Measures { normal: Some(0.0), ..SHAPE };
         let shrunk = Measures { area: Some(-60.0), growth: 0.5, ..SHAPE };
         let text = seen("cube", &[0.1, 1.0, 2.0], &[clean, shrunk, point, point]);
-        let expected = "The cube has no noise; at λ = 0.1 its area has shrunk by 60 %; from λ = 1 \
-             on it has collapsed to a point and is not drawn.";
+        let expected = "The cube has no noise; at λ = 0.1 the area has shrunk by 60 %; from λ = 1 \
+             on the mesh has collapsed to a point and is not drawn.";
         assert_eq!(text, expected);
     }
 }

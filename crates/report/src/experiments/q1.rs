@@ -239,7 +239,7 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
         TEXT.say(
             "note numbers",
             values! {
-                regular, jittered, least, irregular, largest: largest.join(", "),
+                regular, jittered, least, irregular, largest: seen::list(&largest),
             },
         )?,
     ])

@@ -192,11 +192,11 @@ fn plot(directions: &Table) -> Result<Picture> {
         let rows = directions.only(&[("(a, b, c)", axes_name(axes).into())])?;
         let line = |column: &str| -> Result<Vec<[f64; 2]>> {
             let points = rows.column("θ")?.into_iter().zip(rows.column(column)?);
-            Ok(points.map(|(theta, kappa)| [theta / 180.0, kappa]).collect())
+            Ok(points.map(|(theta, kappa)| [theta, kappa]).collect())
         };
         let plot = Plot {
             title: format!("(a, b, c) = {}", axes_name(axes)),
-            x: Axis::linear("θ/π, from +y (0) over +z (½)").from_to(0.0, 1.0),
+            x: Axis::linear("θ in degrees, +y at 0, +z at 90").from_to(0.0, 180.0),
             y: Axis::linear("κₙ in 1/mesh units"),
             series: vec![
                 Series::line("forms", line("κ")?),

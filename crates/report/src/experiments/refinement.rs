@@ -213,8 +213,10 @@ pub(super) fn finest(
     rows.column("RMS error")?.last().copied().context("an empty table")
 }
 
-/// Two orders to two digits, or one if they do not differ in them.
+/// Two orders to two decimals, rounded outwards as deciding numbers are, or one if they do not
+/// differ in them.
 pub(super) fn between(least: f64, most: f64) -> String {
-    let [low, high] = [least, most].map(|x| format!("{x:.2}"));
+    let bounds = [(100.0 * least).floor(), (100.0 * most).ceil()];
+    let [low, high] = bounds.map(|x| format!("{:.2}", x / 100.0));
     if low == high { low } else { format!("{low} to {high}") }
 }

@@ -86,12 +86,13 @@ pub(crate) fn tally(results: &Results) -> String {
     let mut counts = counts.iter().filter(|(count, _)| *count > 0);
     match (total, counts.next()) {
         (_, None) => String::new(),
-        (1, Some((_, verdict))) => format!("Its one claim is {verdict}."),
+        (1, Some((_, verdict))) => format!("The original report's one claim is {verdict}."),
         (_, Some((count, verdict))) => {
             let verb = if *count == 1 { "is" } else { "are" };
             let others = counts.map(|(count, verdict)| format!(", {} {verdict}", in_words(*count)));
             let (total, count) = (in_words(total), in_words(*count));
-            format!("Of its {total} claims {count} {verb} {verdict}{}.", others.collect::<String>())
+            let others: String = others.collect();
+            format!("Of the original report's {total} claims {count} {verb} {verdict}{others}.")
         }
     }
 }
@@ -202,11 +203,12 @@ mod tests {
         let none = results(&[]);
         assert_eq!((tally(&none), rules(&none).len()), (String::new(), 0));
         let one = results(&[("4a", Verdict::Confirmed)]);
-        assert_eq!(tally(&one), "Its one claim is right.");
+        assert_eq!(tally(&one), "The original report's one claim is right.");
         let some =
             [("2a", Verdict::Refuted), ("5a", Verdict::Qualified), ("7a", Verdict::Qualified)];
         let some = results(&some);
-        assert_eq!(tally(&some), "Of its three claims one is wrong, two half right.");
+        let expected = "Of the original report's three claims one is wrong, two half right.";
+        assert_eq!(tally(&some), expected);
         let claims: Vec<&str> = rules(&some).iter().map(|rule| rule.claim).collect();
         assert_eq!(claims, ["2a", "5a", "7a"]);
     }

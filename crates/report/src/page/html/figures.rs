@@ -54,9 +54,10 @@ impl Item<'_> {
                 let figure = record.figures.iter().find(is_still);
                 let paper = match figure {
                     Some(figure) => format!(
-                        "<div class=\"paper\" id=\"{}\">{}</div>",
+                        "<div class=\"paper\" id=\"{}\">{}<p>{label}{}</p></div>",
                         escape(&fallback),
-                        image(figure, folder)?
+                        image(figure, folder)?,
+                        escape(&figure.caption)
                     ),
                     None => paper_note(record, first, &v.fallback),
                 };

@@ -12,8 +12,8 @@ use super::escape::{escape, script_json};
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
 /// unique on the page, `fallback` the id of the picture that takes its place
-/// on paper and where there is no WebGL, `paper` that picture if it has no
-/// place of its own.
+/// on paper and where there is no WebGL, `paper` that picture with its caption
+/// if it has no place of its own.
 pub(super) fn figure(
     view: &ViewFile,
     id: &str,
@@ -31,7 +31,8 @@ pub(super) fn figure(
         html,
         "<figure class=\"view\" id=\"{id}\" data-panels=\"{panels}\" data-fallback=\"{fallback}\">\
          <div class=\"stage\"><p class=\"hint\">{alt}</p></div>{paper}\
-         <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }}</style></noscript>\
+         <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }} \
+         .view:has(> .paper) > figcaption {{ display: none; }}</style></noscript>\
          <figcaption>{label}{caption}</figcaption>\
          <script class=\"data\" type=\"application/json\">{data}</script></figure>",
         id = escape(id),
