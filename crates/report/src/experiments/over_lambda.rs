@@ -16,7 +16,7 @@ use crate::experiment::Context;
 use crate::experiment::inputs::Input;
 use crate::experiment::outcome::{MeshOutput, Outcome, Picture};
 use crate::experiment::text::{Text, values};
-use crate::model::table::{Table, Tolerance, Unit, brief};
+use crate::model::table::{Cell, Table, Tolerance, Unit, brief};
 use crate::model::view::{Panel, Slider, View};
 use crate::row;
 
@@ -155,7 +155,10 @@ pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Pictur
         for (k, mesh) in SWEPT_MESHES.into_iter().enumerate() {
             let rows = sweep.only(&[("mesh", mesh.into())])?;
             let errors = rows.index(column)?;
-            let errors = rows.rows.iter().map(|row| row[errors].number());
+            let area = rows.index("area")?;
+            // The normals of a surface without area are rounding.
+            let is_left = |row: &&Vec<Cell>| row[area].number().is_none_or(|a| a >= VANISHED);
+            let errors = rows.rows.iter().map(|row| row[errors].number().filter(|_| is_left(&row)));
             let points = rows.column("lambda")?.into_iter().zip(errors);
             let points = points.filter_map(|(x, y)| Some([x, y?])).collect();
             let style = Some(method + (Series::COLORS + 2) * k);

@@ -165,7 +165,7 @@ impl<'a> Pictures<'a> {
         let mesh = self.mesh;
         Gallery {
             looks: vec![
-                Look { title: "original", mesh, coloring: None },
+                Look { title: "plain", mesh, coloring: None },
                 Look { title: "mean curvature", mesh, coloring: Some(mean) },
                 Look { title: "Gaussian curvature", mesh, coloring: Some(gaussian) },
             ],
@@ -193,7 +193,7 @@ impl<'a> Pictures<'a> {
             color: seen::is_flat(self.scaled).then(|| "Gaussian curvature".into()),
             z_up: true,
             sliders: vec![],
-            panels: vec![Panel::still("original", self.mesh), colored],
+            panels: vec![Panel::still("plain", self.mesh), colored],
             ..View::default()
         })
     }

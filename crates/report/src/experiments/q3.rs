@@ -136,9 +136,9 @@ impl Experiment for CotangentCurvature {
                 .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
                 .number("the same with barycentric areas", barycentric, Unit::One)
                 .number("highest order of cotangents on jittered meshes", order, Unit::Order)
-                .number("cotangent inside planes", inside, Unit::One)
-                .number("uniform inside planes", uniform, Unit::One)
-                .number("cotangent on boundaries of planes", border, Unit::One),
+                .number("largest, cotangent, inside planes", inside, Unit::One)
+                .number("largest, uniform, inside planes", uniform, Unit::One)
+                .number("largest, cotangent, on boundaries of planes", border, Unit::One),
         ])
     }
 }
@@ -213,7 +213,7 @@ fn pictures(
     let gallery =
         |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.5, occlusion: true };
     let assignment = gallery(vec![
-        Look { title: "original", mesh, coloring: None },
+        Look { title: "plain", mesh, coloring: None },
         Look {
             title: "mean curvature",
             mesh,
@@ -247,7 +247,7 @@ fn pictures(
     let seen = seen::agreement(&uniform, &cotangent)?;
     let range = seen::range(&[&uniform, &cotangent])?;
     let diverging = gallery(vec![
-        Look { title: "original", mesh, coloring: None },
+        Look { title: "plain", mesh, coloring: None },
         signed("uniform", &uniform),
         signed("cotangent", &cotangent),
     ])

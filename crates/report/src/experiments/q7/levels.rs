@@ -243,8 +243,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let judgement = TEXT
         .judgement("7a", verdict, values)?
         .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 0]).field("normal error")))
-        .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
-        .number("highest", levels[2].share, Unit::EdgeLengths);
+        .number("first level over h", levels[0].share, Unit::EdgeLengths)
+        .number("last level over h", levels[2].share, Unit::EdgeLengths);
     with_errors(judgement, &levels)
 }
 
