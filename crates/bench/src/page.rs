@@ -11,7 +11,7 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::io;
 use fairing_shapes::icosphere;
-use fairing_sparse::upper_median;
+use fairing_sparse::{larger, upper_median};
 use serde_json::Value;
 
 use crate::fresh::{Fresh, Times};
@@ -29,30 +29,25 @@ struct Scaled {
 /// The spheres, by the number of times that the icosahedron is subdivided: 10 · 4ᵏ + 2 vertices.
 const LEVELS: std::ops::RangeInclusive<u32> = 6..=10;
 
-/// The finest sphere for tasks that are not linear in time or memory, with 2.6 million vertices.
+/// The finest sphere for the rates of products, with 2.6 million vertices.
 const FINEST: u32 = 9;
 
 const SCALED: [Scaled; 16] = [
     Scaled { words: "read PLY", task: "load_ply", arguments: &[], last: 10 },
-    Scaled { words: "S and M", task: "laplacian", arguments: &[], last: FINEST },
+    Scaled { words: "S and M", task: "laplacian", arguments: &[], last: 10 },
     Scaled { words: "H and K", task: "curvature", arguments: &[], last: 10 },
-    Scaled { words: "principal curvatures", task: "principal", arguments: &[], last: FINEST },
-    Scaled { words: "curvature, default", task: "principal", arguments: ADAPTIVE, last: FINEST },
+    Scaled { words: "principal curvatures", task: "principal", arguments: &[], last: 10 },
+    Scaled { words: "curvature, default", task: "principal", arguments: ADAPTIVE, last: 10 },
     Scaled { words: "explicit, 50 steps", task: "explicit_uniform", arguments: FIFTY, last: 10 },
-    Scaled { words: "Taubin, 50 pairs", task: "taubin", arguments: FIFTY, last: FINEST },
+    Scaled { words: "Taubin, 50 pairs", task: "taubin", arguments: FIFTY, last: 10 },
     Scaled { words: "implicit, uniform", task: "implicit_uniform", arguments: FIVE, last: 10 },
     Scaled { words: "implicit, cotangents", task: "implicit_cotan", arguments: FIVE, last: 10 },
-    Scaled {
-        words: "implicit, 100 h²",
-        task: "implicit_cotan_stiff",
-        arguments: STIFF,
-        last: FINEST,
-    },
-    Scaled { words: "mean curvature flow", task: "implicit_mcf", arguments: FIVE, last: FINEST },
-    Scaled { words: "harmonic system", task: "harmonic", arguments: &["--k=1"], last: 8 },
-    Scaled { words: "biharmonic system", task: "harmonic", arguments: &["--k=2"], last: 8 },
+    Scaled { words: "implicit, 100 h²", task: "implicit_cotan_stiff", arguments: STIFF, last: 10 },
+    Scaled { words: "mean curvature flow", task: "implicit_mcf", arguments: FIVE, last: 10 },
+    Scaled { words: "harmonic system", task: "harmonic", arguments: &["--k=1"], last: 9 },
+    Scaled { words: "biharmonic system", task: "harmonic", arguments: &["--k=2"], last: 9 },
     Scaled { words: "triharmonic system", task: "harmonic", arguments: &["--k=3"], last: 8 },
-    Scaled { words: "15 eigenpairs", task: "eigs", arguments: &["--k=15"], last: FINEST },
+    Scaled { words: "15 eigenpairs", task: "eigs", arguments: &["--k=15"], last: 9 },
     Scaled { words: "denoising", task: "denoise", arguments: &[], last: 8 },
 ];
 
@@ -195,7 +190,7 @@ fn sphere(folder: &Path, level: u32) -> Result<PathBuf> {
 }
 
 /// The words of the comparison's tasks.
-const COMPARED: [(&str, &str); 19] = [
+const COMPARED: [(&str, &str); 16] = [
     ("load_obj", "read OBJ"),
     ("load_ply", "read binary PLY"),
     ("save_ply", "write binary PLY"),
@@ -212,9 +207,6 @@ const COMPARED: [(&str, &str); 19] = [
     ("eigs15", "15 eigenpairs"),
     ("eigs100", "100 eigenpairs"),
     ("eigs300", "300 eigenpairs"),
-    ("harmonic1", "harmonic system, factorised and solved"),
-    ("harmonic2", "biharmonic system, factorised and solved"),
-    ("harmonic3", "triharmonic system, factorised and solved"),
 ];
 
 /// A text of a JSON object; empty if there is none.
@@ -236,61 +228,78 @@ fn versions(results: &Value) -> String {
 }
 
 /// Ratios to the fastest of the others, the largest first, from the results of a comparison: a list
-/// `results` of tasks with `rows`, each with name, threads, `min` and `cold_median` in seconds, and
-/// `ours`; and a `note` on how it was made and `versions`, if there are any.
+/// `results` of tasks and meshes with `rows`, each with name, threads, `min` and `cold_median` in
+/// seconds, and `ours`; and a `note` on how it was made and `versions`, if there are any.
 fn compared(results: &Value) -> Result<String> {
     let mut page = format!(
-        "\n## Against other libraries\n\nSeconds, measured on {}, {}. {} Runs alternate between programs. Each \
-         program is timed with one and with two threads, and the table has the faster. A program is included \
-         if its result agrees, even if it checks no errors: `from_chars` is a bare reader of OBJ, and numpy \
-         writes its arrays unchanged. A ratio above 1 is a loss; losses come first. *First of a process* is \
-         the median over processes.\n\n\
-         | Task | Mesh | Best of many | Best other | Ratio | First of a process | Best other | Ratio |\n\
-         |---|---|--:|---|--:|--:|---|--:|\n",
+        "\n## Against other libraries\n\nSeconds, the name of the fastest other program, and the ratio to its \
+         time in brackets, measured on {}, {}. {} Runs alternate between programs. A program is included if \
+         its result agrees, even if it checks no errors: `from_chars` is a bare reader of OBJ, and numpy writes \
+         its arrays unchanged. A ratio above 1 is a loss, in bold; the largest ratios come first.\n",
         text(results, "cpu"),
         text(results, "when"),
         versions(results),
     );
-    let mut lines: Vec<(f64, String)> = vec![];
-    let mut published = String::new();
-    for result in results["results"].as_array().context("the comparison has no results")? {
-        let rows = result["rows"].as_array().context("a task has no rows")?;
-        let Some(ours) = rows.iter().find(|r| r["ours"] == true && r["min"].is_f64()) else {
-            continue;
-        };
-        let task = text(result, "task");
-        let words = COMPARED.iter().find(|(name, _)| *name == task).map(|(_, words)| *words);
-        let words = words.with_context(|| format!("no words for the task {task}"))?;
-        if task == "eigs100" {
-            published = PUBLISHED
-                .replace("{ours}", &rounded(ours["min"].as_f64().context("a row has no times")?))
-                .replace("{cpu}", &text(results, "cpu"));
+    let all = results["results"].as_array().context("the comparison has no results")?;
+    let mut meshes: Vec<String> = vec![];
+    for mesh in all.iter().map(|result| text(result, "mesh")) {
+        if !meshes.contains(&mesh) {
+            meshes.push(mesh);
         }
-        let mut cells = vec![words.to_owned(), text(result, "mesh").replace('_', " ")];
-        let mut largest: f64 = 0.0;
-        for key in ["min", "cold_median"] {
-            let seconds = ours[key].as_f64().context("a row has no times")?;
-            let others = rows.iter().filter(|r| {
-                r["ours"] != true && r["same"] == true && !text(r, "agrees").starts_with("differs")
-            });
-            let best = others
-                .filter_map(|r| Some((r[key].as_f64()?, text(r, "name"))))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .with_context(|| format!("no other program has times of {task}"))?;
-            cells.push(rounded(seconds));
-            cells.push(format!("{} {}", rounded(best.0), best.1));
-            cells.push(format!("{:.2}", seconds / best.0));
-            largest = largest.max(seconds / best.0);
-        }
-        lines.push((largest, format!("| {} |\n", cells.join(" | "))));
     }
-    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-    page.extend(lines.into_iter().map(|(_, line)| line));
+    for (key, heading) in
+        [("min", "Best of many"), ("cold_median", "First of a process, median over processes")]
+    {
+        let heads: Vec<String> = meshes.iter().map(|mesh| mesh.replace('_', " ")).collect();
+        let _ = write!(page, "\n### {heading}\n\n| Task | {} |\n|---|", heads.join(" | "));
+        let _ = writeln!(page, "{}", "---|".repeat(meshes.len()));
+        let mut lines = vec![];
+        for (task, words) in COMPARED {
+            let of = |mesh: &String| {
+                all.iter().find(|r| text(r, "task") == task && text(r, "mesh") == *mesh)
+            };
+            let cells: Vec<Option<(f64, String)>> = meshes
+                .iter()
+                .map(|mesh| of(mesh).map_or(Ok(None), |result| beside(result, key)))
+                .collect::<Result<_>>()?;
+            let largest = cells.iter().flatten().map(|cell| cell.0).fold(0.0, larger);
+            let cells = cells.into_iter().map(|cell| cell.map_or("–".into(), |cell| cell.1));
+            lines.push((
+                largest,
+                format!("| {words} | {} |\n", cells.collect::<Vec<_>>().join(" | ")),
+            ));
+        }
+        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // A task that was not compared has no ratio.
+        page.extend(lines.into_iter().filter(|line| line.0 > 0.0).map(|line| line.1));
+    }
     if let Some(note) = results["note"].as_str() {
         let _ = writeln!(page, "\n{note}");
     }
-    page.push_str(&published);
+    let sphere =
+        all.iter().find(|r| text(r, "task") == "eigs100" && text(r, "mesh") == "sphere_160k");
+    let rows = sphere.and_then(|result| result["rows"].as_array()).into_iter().flatten();
+    if let Some(ours) = rows.into_iter().find(|row| row["ours"] == true) {
+        let ours = rounded(ours["min"].as_f64().context("a row has no times")?);
+        page += &PUBLISHED.replace("{ours}", &ours).replace("{cpu}", &text(results, "cpu"));
+    }
     Ok(page)
+}
+
+/// The ratio to the fastest other program, and the cell of the table; `None` if one has no time.
+fn beside(result: &Value, key: &str) -> Result<Option<(f64, String)>> {
+    let rows = result["rows"].as_array().context("a task has no rows")?;
+    let ours = rows.iter().find(|r| r["ours"] == true).and_then(|r| r[key].as_f64());
+    let others = rows.iter().filter(|r| {
+        r["ours"] != true && r["same"] == true && !text(r, "agrees").starts_with("differs")
+    });
+    let best = others
+        .filter_map(|r| Some((r[key].as_f64()?, text(r, "name"))))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some(ours), Some((seconds, name))) = (ours, best) else { return Ok(None) };
+    let ratio = ours / seconds;
+    let mark = if ratio > 1.0 { "**" } else { "" };
+    Ok(Some((ratio, format!("{} ({mark}{ratio:.2}{mark} {name})", rounded(ours)))))
 }
 
 /// The tables of the leaderboard.
@@ -315,7 +324,8 @@ fn over_size(rows: &[Row]) -> String {
          spheres with noise of {NOISE} h, with twice as many faces as vertices. Flows take ten steps unless \
          the row has another number. Systems are assembled, factorised, solved for three columns and \
          refined. The exponent is the slope of the least-squares line through the logarithms; memory is the \
-         peak of the process at the largest size.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
+         peak of the process at the largest size. A dash is a size that was not run: the factors of systems \
+         and eigenpairs would not fit into 24 GB, and denoising would take more than five minutes.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
         machine(),
         today(),
     );
@@ -423,18 +433,16 @@ mod tests {
     fn a_comparison_names_the_fastest_that_agrees() {
         let results = serde_json::json!({"cpu": "P", "when": "today", "note": "Alone.", "results": [{
         "task": "curvature", "mesh": "sphere_160k", "rows": [
-            {"name": "ours", "ours": true, "min": 0.5, "cold_median": 1.0},
+            {"name": "ours", "ours": true, "min": 0.5, "cold_median": 3.0},
             {"name": "wrong", "min": 0.1, "cold_median": 0.1, "same": true, "agrees": "differs 1e-1"},
             {"name": "a", "min": 2.0, "cold_median": 2.0, "same": true, "agrees": "yes"},
             {"name": "b", "min": 1.0, "cold_median": 4.0, "same": true, "floor": false, "agrees": "yes"},
-        ]}]});
+        ]}, {"task": "laplacian", "mesh": "rock_142k", "rows": [{"name": "ours", "ours": true}]}]});
         let page = compared(&results).unwrap();
-        assert!(
-            page.contains(
-                "| H and K | sphere 160k | 0.500 | 1.00 b | 0.50 | 1.00 | 2.00 a | 0.50 |"
-            ),
-            "{page}"
-        );
+        assert!(page.contains("| Task | sphere 160k | rock 142k |"), "{page}");
+        assert!(page.contains("| H and K | 0.500 (0.50 b) | – |"), "{page}");
+        assert!(page.contains("| H and K | 3.00 (**1.50** a) | – |"), "{page}");
+        assert!(!page.contains("S and M"), "{page}");
         assert!(page.ends_with("\n\nAlone.\n"), "{page}");
     }
 }
