@@ -146,6 +146,9 @@ mod tests {
                         chunk.iter_mut().enumerate().for_each(|(k, y)| *y += start + k);
                     });
                     assert_eq!(y, all);
+                    for_rows(&mut y, |i, y| *y += 2 * i);
+                    assert!(super::all(count, 7, |i| y[i] == 3 * i));
+                    assert_eq!(super::all(count, 7, |i| i != count / 2), count == 0);
                 }
             });
         }
