@@ -286,13 +286,13 @@ fn compared(results: &Value) -> Result<String> {
     Ok(page)
 }
 
-/// The ratio to the fastest other program, and the cell of the table; `None` if one has no time.
+/// The ratio to the fastest other program that agrees, and the cell of the table; `None` without
+/// both.
 fn beside(result: &Value, key: &str) -> Result<Option<(f64, String)>> {
     let rows = result["rows"].as_array().context("a task has no rows")?;
-    let ours = rows.iter().find(|r| r["ours"] == true).and_then(|r| r[key].as_f64());
-    let others = rows.iter().filter(|r| {
-        r["ours"] != true && r["same"] == true && !text(r, "agrees").starts_with("differs")
-    });
+    let agrees = |r: &&Value| !text(r, "agrees").starts_with("differs");
+    let ours = rows.iter().find(|r| r["ours"] == true).filter(agrees).and_then(|r| r[key].as_f64());
+    let others = rows.iter().filter(|r| r["ours"] != true && r["same"] == true).filter(agrees);
     let best = others
         .filter_map(|r| Some((r[key].as_f64()?, text(r, "name"))))
         .min_by(|a, b| a.0.total_cmp(&b.0));
