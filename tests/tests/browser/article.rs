@@ -19,6 +19,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("figures_are_numbered", numbered),
         ("figures_of_the_original_report_have_counterparts", mapped),
         ("every_claim_opens_what_decides_it", claims),
+        ("pictures_in_columns_keep_their_size_on_a_telephone", keeps),
         ("ids_are_plain_and_captions_begin_with_what_to_see", plain),
     ]
 }
@@ -31,6 +32,28 @@ pub(crate) fn page() -> PathBuf {
 fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let page = page.canonicalize()?;
     chrome.open(&format!("file://{}", page.display()))
+}
+
+/// The titles over the columns of a picture would be too small to read, so it scrolls in its own
+/// box, which says so; the page does not.
+fn keeps(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    let screen = json!({"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": true});
+    chrome.call("Emulation.setDeviceMetricsOverride", screen)?;
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           document.querySelectorAll('details').forEach((d) => { d.open = true; });
+           dispatchEvent(new Event('resize'));
+           const pictures = [...document.querySelectorAll('figure.picture > img')];
+           const small = pictures.filter((p) => p.clientWidth < p.getAttribute('width') * 0.99);
+           const wide = pictures.filter((p) => p.clientWidth > 390);
+           const unsaid = wide.filter((p) => !p.parentNode.classList.contains('scrolls'));
+           return [small.length, wide.length, unsaid.length, document.documentElement.scrollWidth];
+         })()",
+    )?;
+    ensure!(found[1].as_u64() > Some(0), "no picture is wide: the test shows nothing");
+    ensure!(found == json!([0, found[1], 0, 390]), "small, wide, unsaid, width: {found}");
+    Ok(())
 }
 
 /// No error and no request; every picture exists and has a description. One file below 12 MB.

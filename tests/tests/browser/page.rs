@@ -44,11 +44,14 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const pictures = [...document.querySelectorAll('.view .paper img')].filter(seen).length;
            const cut = [...document.querySelectorAll('.wide')]
              .filter((w) => getComputedStyle(w).overflowX !== 'visible').length;
-           return [stages, pictures, cut];
+           // The caption is that of the picture on paper.
+           const captions = [...document.querySelectorAll('.view')].filter((view) =>
+             [...view.querySelectorAll('figcaption, .paper > p')].filter(seen).length !== 1).length;
+           return [stages, pictures, cut, captions];
          })()",
     )?;
     // One picture stands for all four views of the scene.
-    ensure!(found == json!([0, 1, 0]), "stages, pictures, cut tables: {found}");
+    ensure!(found == json!([0, 1, 0, 0]), "stages, pictures, cut tables, captions: {found}");
     chrome.picture("paper")
 }
 
