@@ -325,7 +325,8 @@ fn over_size(rows: &[Row]) -> String {
          the row has another number. Systems are assembled, factorised, solved for three columns and \
          refined. The exponent is the slope of the least-squares line through the logarithms; memory is the \
          peak of the process at the largest size. A dash is a size that was not run: the factors of systems \
-         and eigenpairs would not fit into 24 GB, and denoising would take more than five minutes.\n\n![Time over the number of vertices](pictures/scale.svg)\n\n",
+         and eigenpairs would not fit into 24 GB, and denoising would take more than five minutes.\n\n\
+         ![Time over the number of vertices](pictures/scale.svg)\n\n",
         machine(),
         today(),
     );
