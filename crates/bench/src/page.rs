@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Panel, Plot, Series};
 use fairing_mesh::io;
@@ -241,6 +241,10 @@ fn compared(results: &Value) -> Result<String> {
         versions(results),
     );
     let all = results["results"].as_array().context("the comparison has no results")?;
+    for task in all.iter().map(|result| text(result, "task")) {
+        let is_known = COMPARED.iter().any(|(name, _)| *name == task);
+        ensure!(is_known, "no words for the task {task}");
+    }
     let mut meshes: Vec<String> = vec![];
     for mesh in all.iter().map(|result| text(result, "mesh")) {
         if !meshes.contains(&mesh) {
@@ -309,8 +313,8 @@ fn harmonic(printed: &str) -> String {
          sparse-solver-benchmark), printed by `cargo xtask bench leaderboard --in FILE`: (Wᵏ + M) u = M x with \
          W = S, mixed areas in M and three columns, for k = 1, 2 and 3, and the mixed systems, which have an \
          unknown for each power of M⁻¹S and are indefinite. *Factor* includes the ordering, *Solve* our \
-         corrections. The error is the componentwise relative backward error. It says nothing of the digits of \
-         u: on an armadillo of 173 thousand vertices in a unit box, the two triharmonic systems had errors of \
+         corrections; each ran once. The error is the componentwise relative backward error. It says nothing \
+         of the digits of u: on an armadillo of 173 thousand vertices in a unit box, the two triharmonic systems had errors of \
          10⁻¹⁵ and different solutions.\n\n{}\n",
         printed.trim().replace("\n# ", "\n### ")
     )
@@ -324,8 +328,9 @@ fn over_size(rows: &[Row]) -> String {
          spheres with noise of {NOISE} h, with twice as many faces as vertices. Flows take ten steps unless \
          the row has another number. Systems are assembled, factorised, solved for three columns and \
          refined. The exponent is the slope of the least-squares line through the logarithms; memory is the \
-         peak of the process at the largest size. A dash is a size that was not run: the factors of systems \
-         and eigenpairs would not fit into 24 GB, and denoising would take more than five minutes.\n\n\
+         peak of the process at the largest size. A dash is a size that was not run: by extrapolation \
+         eigenpairs and the biharmonic system would need more than 24 GB, the other systems most of it, and \
+         denoising more than five minutes.\n\n\
          ![Time over the number of vertices](pictures/scale.svg)\n\n",
         machine(),
         today(),
@@ -428,6 +433,12 @@ mod tests {
     fn tables_of_the_leaderboard_are_sections() {
         let page = harmonic("a.ply, 12 vertices\n\n# harmonic\n\n| Fairing |\n");
         assert!(page.ends_with("12 vertices\n\n### harmonic\n\n| Fairing |\n"), "{page}");
+    }
+
+    #[test]
+    fn a_task_without_words_is_an_error() {
+        let results = serde_json::json!({"results": [{"task": "x", "mesh": "m", "rows": []}]});
+        assert_eq!(compared(&results).unwrap_err().to_string(), "no words for the task x");
     }
 
     #[test]
