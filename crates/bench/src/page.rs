@@ -314,8 +314,8 @@ fn harmonic(printed: &str) -> String {
          W = S, mixed areas in M and three columns, for k = 1, 2 and 3, and the mixed systems, which have an \
          unknown for each power of M⁻¹S and are indefinite. *Factor* includes the ordering, *Solve* our \
          corrections; each ran once. The error is the componentwise relative backward error. It says nothing \
-         of the digits of u: on an armadillo of 173 thousand vertices in a unit box, the two triharmonic systems had errors of \
-         10⁻¹⁵ and different solutions.\n\n{}\n",
+         of the digits of u: on an armadillo of 173 thousand vertices in a unit box, the two triharmonic systems \
+         had errors of 10⁻¹⁵ and different solutions.\n\n{}\n",
         printed.trim().replace("\n# ", "\n### ")
     )
 }
