@@ -156,7 +156,7 @@ pub(super) fn plot(sweep: &Table, method: usize, caption: &str) -> Result<Pictur
             let rows = sweep.only(&[("mesh", mesh.into())])?;
             let errors = rows.index(column)?;
             let area = rows.index("area")?;
-            // The normals of a surface without area are rounding.
+            // Without area there is no shape, and normals are rounding.
             let is_left = |row: &&Vec<Cell>| row[area].number().is_none_or(|a| a >= VANISHED);
             let errors = rows.rows.iter().map(|row| row[errors].number().filter(|_| is_left(&row)));
             let points = rows.column("lambda")?.into_iter().zip(errors);
