@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::programs::{REPRODUCE, cargo, on_path, skip, succeeds};
+use crate::programs::{REPRODUCE, UNOPTIMISED, cargo, on_path, skip, succeeds};
 use crate::tasks::STEPS;
 use crate::{python, tidy, web};
 
@@ -139,7 +139,7 @@ fn features(root: &Path) -> Result<()> {
     }
     let mut cargo = cargo(root);
     cargo.args(["test", "--package=fairing-mesh", "--package=fairing-sparse", "--locked"]);
-    passes(cargo.args(["--profile=oracles", &features, "--", "conver", "lapack::"]))
+    passes(cargo.args(["--profile", UNOPTIMISED, &features, "--", "conver", "lapack::"]))
 }
 
 fn recipes(root: &Path) -> Result<()> {
@@ -153,7 +153,7 @@ fn module(root: &Path) -> Result<()> {
         ["test", "--workspace", "--locked", "--lib", "--", "change::", "parts::", "request::"];
     passes(cargo(root).args(parts))?;
     if web::is_available() {
-        ensure!(web::run(root, web::Extent::Build)?, "the module from source fails its tests");
+        ensure!(web::run(root, web::Extent::Check)?, "the module from source fails its tests");
     } else {
         skip("the module from source", "there is no compiler for wasm32-unknown-unknown");
     }

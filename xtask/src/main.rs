@@ -46,7 +46,7 @@ fn run() -> Result<ExitCode> {
             true
         }
         ["tidy"] => tidy::run(&root)?,
-        ["wheel"] => python::wheel(&root).map(|_| true)?,
+        ["wheel"] => python::wheel(&root, "release").map(|_| true)?,
         ["web"] => web::run(&root, web::Extent::Build)?,
         ["web", "--page"] => web::run(&root, web::Extent::Page)?,
         ["web", "--accept"] => web::run(&root, web::Extent::Accept)?,

@@ -15,6 +15,9 @@ pub(crate) struct Program {
     folder: &'static str,
 }
 
+/// The profile of what is compiled only to be checked.
+pub(crate) const UNOPTIMISED: &str = "unoptimised";
+
 /// The experiments and their report, in the profile of the tests, so nothing is compiled twice.
 pub(crate) const REPRODUCE: Program = Program { name: "reproduce", options: &[], folder: "debug" };
 

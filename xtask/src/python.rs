@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::programs::{cargo, on_path, skip, succeeds};
+use crate::programs::{UNOPTIMISED, cargo, on_path, skip, succeeds};
 
 /// The folder of the environment of the tests.
 const ENVIRONMENT: &str = "target/python/test";
@@ -70,16 +70,16 @@ impl Environment {
     }
 }
 
-/// Builds the wheel for all versions of Python into `target/wheels`, and beside it one for
-/// [`FREE_THREADED`]; prints and returns the path of the first.
-pub(crate) fn wheel(root: &Path) -> Result<PathBuf> {
+/// Builds the wheel for all versions of Python into `target/wheels` with a profile, and beside it
+/// one for [`FREE_THREADED`]; prints and returns the path of the first.
+pub(crate) fn wheel(root: &Path, profile: &str) -> Result<PathBuf> {
     let environment = Environment::new(root.join("target/python/build"), BUILD)?;
     let folder = root.join("target/wheels");
     if folder.is_dir() {
         fs::remove_dir_all(&folder)?;
     }
     let mut maturin = Command::new(environment.program("maturin"));
-    maturin.args(["build", "--release", "--locked", "--out"]).arg(&folder);
+    maturin.args(["build", "--profile", profile, "--locked", "--out"]).arg(&folder);
     if cfg!(target_os = "linux") {
         maturin.args(["--zig", "--compatibility", MANYLINUX]);
         // Finds the linker as a module of the environment.
@@ -150,9 +150,9 @@ pub(crate) fn test(root: &Path) -> Result<()> {
     pytest(root, &environment, &["-n", "auto", "--dist", "loadfile", "--durations=10"])
 }
 
-/// Builds the wheel, installs it as a user would, and compares its metadata.
+/// Builds the wheel, without optimisation, installs it as a user would, and compares its metadata.
 pub(crate) fn install(root: &Path) -> Result<()> {
-    let wheel = wheel(root)?;
+    let wheel = wheel(root, UNOPTIMISED)?;
     let environment = Environment::new(root.join(ENVIRONMENT), TESTS)?;
     let mut install = environment.pip();
     install.args(["--force-reinstall", "--no-deps"]).arg(&wheel);
