@@ -46,6 +46,8 @@ pub(crate) fn damaged(module: PathBuf) -> Result<()> {
     agree(&module, &requests)
 }
 
+/// The largest file, in bytes, of which curvature is asked too.
+const MEDIUM: usize = 2_000_000;
 /// The largest file, in bytes, of which also the slow verbs are asked.
 const SMALL: usize = 200_000;
 
@@ -59,7 +61,7 @@ pub(crate) fn corpus(module: PathBuf) -> Result<()> {
     let mut mesh = 0;
     for path in paths {
         let bytes = std::fs::read(&path)?;
-        let small = bytes.len() <= SMALL;
+        let size = bytes.len();
         let found = Reader::default().read_bytes(name(&path), &bytes);
         requests.push(read(name(&path), bytes));
         if found.is_err() {
@@ -68,8 +70,10 @@ pub(crate) fn corpus(module: PathBuf) -> Result<()> {
         mesh += 1;
         let mut ask = |request: Value| requests.push((request, vec![]));
         ask(json!({ "verb": "info", "mesh": mesh }));
-        ask(json!({ "verb": "curvature", "mesh": mesh }));
-        if small {
+        if size <= MEDIUM {
+            ask(json!({ "verb": "curvature", "mesh": mesh }));
+        }
+        if size <= SMALL {
             ask(json!({ "verb": "distance", "mesh": mesh, "values": { "sources": [0] } }));
             ask(json!({ "verb": "spectrum", "mesh": mesh, "values": { "k": 5 } }));
         }
