@@ -21,6 +21,7 @@ use crate::chrome::Chrome;
 
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
+        ("fifty_meshes_leave_memory_flat", memory::flat),
         ("every_sample_opens_and_every_task_runs", tasks),
         ("a_dropped_mesh_shows_its_field_with_a_histogram", values::fields),
         ("values_that_are_undefined_are_no_numbers", values::undefined),
@@ -34,7 +35,6 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("every_format_is_downloaded", downloads),
         ("broken_files_are_refused_in_words", broken),
         ("an_address_on_the_same_server_is_opened_and_no_other", addresses),
-        ("fifty_meshes_leave_memory_flat", memory::flat),
         ("without_webgl_it_says_so", plain),
     ]
 }

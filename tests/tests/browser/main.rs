@@ -21,21 +21,25 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 use chrome::Chrome;
 
+/// Browsers that run at the same time.
+const BROWSERS: usize = 2;
+
 /// A test that takes a browser and the path of a page.
 type Test = fn(&mut Chrome, &Path) -> Result<()>;
 
 fn main() {
     let browser = chrome::find();
     let mut arguments = Arguments::from_args();
-    // One browser serves all tests, each in its own tab.
-    arguments.test_threads = Some(1);
-    let shared: Arc<Mutex<Option<Session>>> = Arc::default();
+    // Each browser serves many tests, one after the other and each in its own tab; a browser that
+    // draws keeps more than one processor busy.
+    arguments.test_threads = Some(BROWSERS);
+    let idle: Arc<Mutex<Vec<Session>>> = Arc::default();
     let trial = |name: String, page: Page, test: Test| {
-        let (program, shared) = (browser.clone(), Arc::clone(&shared));
+        let (program, idle) = (browser.clone(), Arc::clone(&idle));
         let absent = program.is_none() || matches!(&page, Page::File(path) if !path.is_file());
         Trial::test(name, move || match program {
             Some(program) => {
-                run(&program, &shared, &page, test).map_err(|e| Failed::from(format!("{e:#}")))
+                run(&program, &idle, &page, test).map_err(|e| Failed::from(format!("{e:#}")))
             }
             None => Ok(()),
         })
@@ -53,10 +57,11 @@ fn main() {
     let laboratory = laboratory::trials().into_iter();
     let laboratory =
         laboratory.map(|(name, test)| trial(format!("laboratory::{name}"), Page::Made, test));
-    let trials = made.chain(show).chain(laboratory).chain(article).collect();
+    // The longest first.
+    let trials = laboratory.chain(made).chain(show).chain(article).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
-    // Exiting the process would skip closing the browser.
-    drop(shared.lock().map(|mut session| session.take()));
+    // Exiting the process would skip closing the browsers.
+    drop(idle.lock().map(|mut idle| std::mem::take(&mut *idle)));
     conclusion.exit();
 }
 
@@ -68,22 +73,22 @@ enum Page {
     File(PathBuf),
 }
 
-/// The browser, and the folder of the pages of [`scene`], created by the first test that needs
-/// them.
+/// A browser, and its folder of the pages of [`scene`].
 struct Session {
     chrome: Chrome,
     folder: tempfile::TempDir,
 }
 
-/// Runs a test on this page.
-fn run(program: &Path, shared: &Mutex<Option<Session>>, page: &Page, test: Test) -> Result<()> {
-    let mut shared = shared.lock().map_err(|_| anyhow!("another test has panicked"))?;
-    let session = match &mut *shared {
+/// Runs a test on this page, in a browser that no other test uses.
+fn run(program: &Path, idle: &Mutex<Vec<Session>>, page: &Page, test: Test) -> Result<()> {
+    let lock = || idle.lock().map_err(|_| anyhow!("another test has panicked"));
+    let found = lock()?.pop();
+    let mut session = match found {
         Some(session) => session,
-        none => {
+        None => {
             let folder = tempfile::tempdir()?;
             scene::publish(&folder.path().join("report"))?;
-            none.insert(Session { chrome: Chrome::start(program)?, folder })
+            Session { chrome: Chrome::start(program)?, folder }
         }
     };
     session.chrome.new_tab()?;
@@ -91,5 +96,7 @@ fn run(program: &Path, shared: &Mutex<Option<Session>>, page: &Page, test: Test)
         Page::Made => session.folder.path().join("report/report.html"),
         Page::File(path) => path.clone(),
     };
-    test(&mut session.chrome, &page)
+    let done = test(&mut session.chrome, &page);
+    lock()?.push(session);
+    done
 }
