@@ -75,8 +75,8 @@ impl Experiment for Estimators {
                 }
             }
         }
-        let next = levels.iter().rev().nth(1).copied().context("no levels")?;
-        let times = times(next, context)?;
+        let middle = levels.iter().rev().nth(2).copied().context("no levels")?;
+        let times = times(middle, context)?;
         let mut figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
         let torus = EveryEstimator::on_torus(context, BASELINE)?;
         figures.push(torus.picture(!context.is_quick())?);

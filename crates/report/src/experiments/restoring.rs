@@ -210,6 +210,7 @@ impl Body {
             .collect();
         let scored: Vec<(Score, Option<TriMesh>)> = pairs
             .into_par_iter()
+            .with_max_len(1)
             .map(|(method, k)| {
                 let mesh = self.restore(method, &noisy[k])?;
                 Ok((self.score(&mesh)?, (k == 0).then_some(mesh)))

@@ -63,19 +63,23 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
     }
     record.tables = outcome.tables;
     record.notes = outcome.notes;
-    for view in &outcome.views {
-        let json = view.to_json()?;
-        let data = keep(format!("{}.view.json", view.id), json.as_bytes(), &view.caption)?.path;
-        record.views.push(ViewFile {
-            id: view.id.clone(),
-            caption: view.caption.clone(),
-            alt: view.alt.clone(),
-            fallback: view.fallback.clone(),
-            data,
-            mesh: mesh_card(view, &format!("{id}/{}-mesh.png", view.id), work)?,
-        });
-    }
+    let view = |view: &View| view_file(view, work, &id);
+    record.views = outcome.views.par_iter().map(view).collect::<Result<_>>()?;
     Ok(())
+}
+
+/// Writes a view, and the picture of its mesh.
+fn view_file(view: &View, work: &Path, id: &str) -> Result<ViewFile> {
+    let data = format!("{id}/{}.view.json", view.id);
+    fs::write(work.join(&data), view.to_json()?).with_context(|| format!("writing {data}"))?;
+    Ok(ViewFile {
+        id: view.id.clone(),
+        caption: view.caption.clone(),
+        alt: view.alt.clone(),
+        fallback: view.fallback.clone(),
+        data,
+        mesh: mesh_card(view, &format!("{id}/{}-mesh.png", view.id), work)?,
+    })
 }
 
 /// Draws the mesh of a view that names it: the first panel that does not move.
