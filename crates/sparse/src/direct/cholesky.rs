@@ -5,11 +5,12 @@ use std::sync::Arc;
 use ndarray::ArrayView2;
 
 use crate::direct::backend::{self, TooLarge};
+use crate::direct::dissection;
 use crate::direct::factor::Analysis;
 use crate::direct::factor::Factor;
 use crate::direct::ldlt::Ldlt;
 use crate::direct::multifrontal;
-use crate::direct::ordering::{self, Ordering};
+use crate::direct::ordering::{self, Ordering, Postordered};
 use crate::direct::symmetry;
 use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
@@ -39,9 +40,6 @@ pub struct SymbolicCholesky {
     analysis: Arc<Analysis>,
 }
 
-/// Rows up to which minimum degree often has the usual fill.
-const SMALL: usize = 20_000;
-
 impl SymbolicCholesky {
     /// Orders the matrix and finds the pattern of its factor. Values must be finite and symmetric,
     /// but are not used.
@@ -50,55 +48,37 @@ impl SymbolicCholesky {
     ///
     /// [`SparseError`]: not square, not finite, not symmetric, not an ordering, too large.
     pub fn new(matrix: &SparseMatrix, ordering: Ordering) -> Result<Self, SparseError> {
-        if ordering == Ordering::LeastFill {
-            return Self::with_least_fill(matrix);
-        }
         fairing_watch::check();
         symmetry::check(matrix)?;
         let rows = Rows::new(matrix);
         let n = rows.count();
-        let order = match ordering {
-            Ordering::MinimumDegree | Ordering::LeastFill => backend::minimum_degree(rows),
-            Ordering::NestedDissection => ordering::dissected(rows),
-            Ordering::Natural => Ok((0..n as u32).collect()),
-            Ordering::Custom(order) => Ok(order),
-        };
         let too_large = |_| SparseError::TooLarge { rows: n };
-        let order = order.map_err(too_large)?;
+        let order = match ordering {
+            Ordering::LeastFill => {
+                let found = ordering::least_fill(rows).map_err(too_large)?;
+                return Self::from_order(rows, found);
+            }
+            Ordering::MinimumDegree => backend::minimum_degree(rows).map_err(too_large)?,
+            Ordering::NestedDissection => {
+                dissection::dissected(rows, &false.into()).map_err(too_large)?
+            }
+            Ordering::Natural => (0..n as u32).collect(),
+            Ordering::Custom(order) => order,
+        };
         let bad = |entry| SparseError::NotAnOrdering { length: order.len(), rows: n, entry };
         let inverse = ordering::invert(&order).map_err(bad)?;
         if order.len() != n {
             return Err(bad(n as u32));
         }
-        let order = ordering::postordered(rows, &order, &inverse);
-        let inverse = ordering::invert(&order).map_err(|_| too_large(TooLarge))?;
-        let nodes = backend::supernodes(rows, &order, &inverse).map_err(too_large)?;
-        Ok(Self {
-            analysis: Arc::new(Analysis {
-                nodes,
-                order,
-                inverse,
-                starts: rows.starts.to_vec(),
-                columns: rows.columns.to_vec(),
-            }),
-        })
+        Self::from_order(rows, Postordered::new(rows, &order, &inverse))
     }
 
-    fn with_least_fill(matrix: &SparseMatrix) -> Result<Self, SparseError> {
-        let dissected = || Self::new(matrix, Ordering::NestedDissection);
-        let least_degree = || Self::new(matrix, Ordering::MinimumDegree);
-        // Both are needed for most large meshes.
-        let (first, second) = if matrix.rows() > SMALL && rayon::current_num_threads() > 1 {
-            let (first, second) = rayon::join(least_degree, dissected);
-            (first?, Some(second))
-        } else {
-            (least_degree()?, None)
-        };
-        if (first.factor_entries() as f64) < ordering::usual_fill(first.rows()) {
-            return Ok(first);
-        }
-        let second = second.unwrap_or_else(dissected)?;
-        Ok(if second.factor_entries() < first.factor_entries() { second } else { first })
+    fn from_order(rows: Rows<'_>, found: Postordered) -> Result<Self, SparseError> {
+        let Postordered { order, inverse, .. } = found;
+        let nodes = backend::supernodes(rows, &order, &inverse)
+            .map_err(|TooLarge| SparseError::TooLarge { rows: rows.count() })?;
+        let (starts, columns) = (rows.starts.to_vec(), rows.columns.to_vec());
+        Ok(Self { analysis: Arc::new(Analysis { nodes, order, inverse, starts, columns }) })
     }
 
     /// The number of rows of the matrix.

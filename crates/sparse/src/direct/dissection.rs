@@ -4,16 +4,18 @@
 //! split recursively. Each node has coordinates: its distances (in edges) to a few nodes far apart,
 //! smoothed over neighbours. A part is cut across the direction of largest variance, where the
 //! fewest edges cross near the median, and the separator is a minimum vertex cover of the cut edges
-//! (König's theorem). Pieces below [`LEAF`] nodes are ordered by minimum degree.
+//! (König's theorem). Pieces below [`LEAF`] nodes are ordered by minimum degree, each by itself.
 //!
 //! Source: [george1973], \[harel2002\].
 //!
 //! [george1973]: https://doi.org/10.1137/0710032
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use fairing_watch::parallel::map;
 
+use crate::direct::backend::{self, TooLarge};
 use crate::matrix::Rows;
 
 /// Parts with fewer nodes are not cut.
@@ -39,17 +41,22 @@ struct Part {
     places: Vec<Place>,
 }
 
-/// Separators in the order of elimination, and the remaining pieces of the graph.
+/// An order of elimination in two parts.
 #[derive(Debug, Default)]
-pub(crate) struct Dissection {
-    /// Nodes of the leaves, eliminated first, in no particular order.
-    pub(crate) leaves: Vec<u32>,
+struct Dissection {
+    /// Nodes of the leaves, eliminated first.
+    leaves: Vec<u32>,
     /// Nodes of the separators, children before parents.
-    pub(crate) separators: Vec<u32>,
+    separators: Vec<u32>,
 }
 
-/// Dissects the graph of a symmetric matrix.
-pub(crate) fn dissect(rows: Rows<'_>) -> Dissection {
+/// The nested dissection order of a symmetric matrix; anything once `spared` is true.
+pub(crate) fn dissected(rows: Rows<'_>, spared: &AtomicBool) -> Result<Vec<u32>, TooLarge> {
+    let Dissection { leaves, separators } = dissect(rows, spared)?;
+    Ok([leaves, separators].concat())
+}
+
+fn dissect(rows: Rows<'_>, spared: &AtomicBool) -> Result<Dissection, TooLarge> {
     let n = rows.count();
     let mut starts = Vec::with_capacity(n + 1);
     let mut neighbors = Vec::with_capacity(rows.columns.len());
@@ -61,9 +68,9 @@ pub(crate) fn dissect(rows: Rows<'_>) -> Dissection {
     let mut whole =
         Part { names: (0..n as u32).collect(), starts, neighbors, places: vec![[0.0; AXES]; n] };
     if n > LEAF {
-        whole.find_places();
+        whole.find_places(spared);
     }
-    whole.dissect()
+    whole.dissect(spared)
 }
 
 impl Part {
@@ -77,12 +84,15 @@ impl Part {
 
     /// Sets the coordinates: distances to nodes, each the farthest from those before, smoothed.
     /// Nodes of different components get a distance larger than any within a component.
-    fn find_places(&mut self) {
+    fn find_places(&mut self, spared: &AtomicBool) {
         let n = self.len();
         let mut nearest = vec![u32::MAX; n];
         // Starts at the farthest node from an arbitrary one.
         let mut from = farthest(&self.distances(0));
         for axis in 0..AXES {
+            if spared.load(Relaxed) {
+                return;
+            }
             let distances = self.distances(from);
             for ((place, near), &d) in self.places.iter_mut().zip(&mut nearest).zip(&distances) {
                 place[axis] = d.min(n as u32) as f32;
@@ -124,12 +134,16 @@ impl Part {
         distance
     }
 
-    fn dissect(self) -> Dissection {
-        if self.len() <= LEAF {
-            return Dissection { leaves: self.names, separators: vec![] };
+    fn dissect(self, spared: &AtomicBool) -> Result<Dissection, TooLarge> {
+        if spared.load(Relaxed) {
+            return Ok(Dissection::default());
         }
-        let Some(side) = self.cut() else {
-            return Dissection { leaves: self.names, separators: vec![] };
+        let side = if self.len() > LEAF { self.cut() } else { None };
+        let Some(side) = side else {
+            let graph = Rows { starts: &self.starts, columns: &self.neighbors, values: &[] };
+            let order = backend::minimum_degree(graph)?;
+            let leaves = order.into_iter().map(|k| self.names[k as usize]).collect();
+            return Ok(Dissection { leaves, separators: vec![] });
         };
         let separator: Vec<u32> =
             (0..self.len()).filter(|&i| side[i] == Side::Cut).map(|i| self.names[i]).collect();
@@ -137,15 +151,16 @@ impl Part {
         let halves = [Side::Low, Side::High].map(|half| self.part(&side, half));
         drop(self);
         let [low, high] = halves;
-        let (mut low, high) = if large {
-            rayon::join(|| low.dissect(), || high.dissect())
+        let (low, high) = if large {
+            rayon::join(|| low.dissect(spared), || high.dissect(spared))
         } else {
-            (low.dissect(), high.dissect())
+            (low.dissect(spared), high.dissect(spared))
         };
+        let (mut low, high) = (low?, high?);
         low.leaves.extend(high.leaves);
         low.separators.extend(high.separators);
         low.separators.extend(separator);
-        low
+        Ok(low)
     }
 
     /// The subgraph of the nodes on one side.
@@ -396,7 +411,7 @@ mod tests {
         let n = 70 * 60 + 40 * 50;
         let matrix = graph(n, grid(70, 60, 0).chain(grid(40, 50, 70 * 60)));
         let rows = Rows::new(&matrix);
-        let found = dissect(rows);
+        let found = dissect(rows, &AtomicBool::new(false)).unwrap();
         let mut all: Vec<u32> = found.leaves.iter().chain(&found.separators).copied().collect();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..n as u32));
@@ -446,7 +461,7 @@ mod tests {
     fn dense_graphs_stay_whole() {
         let n = LEAF + 50;
         let matrix = graph(n, (0..n).flat_map(|i| (0..i).map(move |j| (i, j))));
-        let found = dissect(Rows::new(&matrix));
+        let found = dissect(Rows::new(&matrix), &AtomicBool::new(false)).unwrap();
         assert_eq!((found.leaves.len(), found.separators.len()), (n, 0));
     }
 }
