@@ -121,7 +121,7 @@ impl Factored {
         let matrix = equations.matrix(|i| self.grounded(equations, i));
         let (symbolic, stored) = match like.map(|like| (like, like.factorize(&matrix))) {
             None | Some((_, Err(SparseError::PatternChanged { .. }))) => {
-                let symbolic = SymbolicCholesky::new(&matrix, Ordering::default())?;
+                let symbolic = SymbolicCholesky::new(&matrix, Ordering::LeastFill)?;
                 let stored = symbolic.factorize(&matrix);
                 (symbolic, stored)
             }
