@@ -191,8 +191,12 @@ const GAP: f64 = 1.1e-4;
 /// Required ratio of the residual after a step of inverse iteration to the goal, if the step is
 /// used.
 const POLISHED: f64 = 1e-2;
-/// Checks of the basis before the step is used. Residuals that are not magnified converge earlier.
+/// Checks of the basis before the step is used for many pairs. Residuals that are not magnified
+/// converge earlier.
 const PATIENCE: usize = 2;
+/// Blocks of pairs for which the step, a solve for each, takes less time than another block of the
+/// basis, which is solved for and orthogonalised against all others.
+const QUICKLY_POLISHED: usize = 3;
 /// Fraction of σ below which an eigenvalue counts as zero up to rounding.
 const ZERO_FRACTION: f64 = 1e-6;
 /// Restarts with new vectors that find nothing before a mismatched count is an error. The
@@ -259,7 +263,8 @@ impl<'a> Run<'a> {
         if count(&now) < wanted && count(&soon) == wanted {
             self.waited += 1;
         }
-        if self.waited >= PATIENCE { soon } else { now }
+        let is_quick = wanted <= QUICKLY_POLISHED * LANES;
+        if self.waited >= if is_quick { 1 } else { PATIENCE } { soon } else { now }
     }
 
     /// Extends the basis until its next check.
