@@ -81,10 +81,10 @@ struct Bench {
     /// For the page: the tables that `leaderboard` has printed
     #[arg(long, value_name = "FILE")]
     leaderboard: Option<PathBuf>,
-    /// For the page: the finest sphere, as subdivisions of the icosahedron; 10 has ten million
-    /// vertices
-    #[arg(long, default_value_t = 10)]
-    finest: u32,
+    /// For the page: measure times over the number of vertices, up to this sphere, as subdivisions
+    /// of the icosahedron; 10 has ten million vertices. Without it, those of the page stay
+    #[arg(long, value_name = "LEVEL")]
+    finest: Option<u32>,
 }
 
 /// The tasks.

@@ -87,18 +87,31 @@ impl Row {
     }
 }
 
-/// Measures, and writes the page and its picture below `docs`.
+/// Writes the page below `docs`. With a `finest` sphere it measures and draws times over the number
+/// of vertices; without, those of the page stay, with their date and machine.
 pub(crate) fn write(
     comparison: Option<&Path>,
     leaderboard: Option<&Path>,
-    finest: u32,
+    finest: Option<u32>,
 ) -> Result<()> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    let folder = std::env::temp_dir().join(format!("fairing-speed-{}", std::process::id()));
-    fs::create_dir_all(&folder)?;
-    let measured = measured(&folder, finest);
-    fs::remove_dir_all(&folder)?;
-    let (rows, rates) = measured?;
+    let page = docs.join("speed.md");
+    let sizes = match finest {
+        Some(finest) => {
+            let folder = std::env::temp_dir().join(format!("fairing-speed-{}", std::process::id()));
+            fs::create_dir_all(&folder)?;
+            let measured = measured(&folder, finest);
+            fs::remove_dir_all(&folder)?;
+            let (rows, rates) = measured?;
+            fs::write(docs.join("pictures/scale.svg"), picture(&rows)?)?;
+            over_size(&rows) + &bandwidth(&rates)
+        }
+        None => {
+            let old = fs::read_to_string(&page)?;
+            let start = old.find(OVER_SIZE).context("the page has no times over the vertices")?;
+            old[start..].to_owned()
+        }
+    };
     let mut text = String::from(HEAD);
     let read = |path: &Path| {
         fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
@@ -109,12 +122,11 @@ pub(crate) fn write(
     if let Some(path) = leaderboard {
         text.push_str(&harmonic(&read(path)?));
     }
-    text.push_str(&over_size(&rows));
-    text.push_str(&bandwidth(&rates));
-    fs::write(docs.join("pictures/scale.svg"), picture(&rows)?)?;
-    fs::write(docs.join("speed.md"), text)?;
-    Ok(())
+    Ok(fs::write(page, text + &sizes)?)
 }
+
+/// The heading of times over the number of vertices.
+const OVER_SIZE: &str = "\n## Over the number of vertices\n";
 
 const HEAD: &str = "# Speed
 
@@ -323,7 +335,7 @@ fn harmonic(printed: &str) -> String {
 /// The table of times over the number of vertices.
 fn over_size(rows: &[Row]) -> String {
     let mut page = format!(
-        "\n## Over the number of vertices\n\nSeconds, *first of a process*, measured on {}, {}. The value is the \
+        "{OVER_SIZE}\nSeconds, *first of a process*, measured on {}, {}. The value is the \
          median of three processes up to 170 thousand vertices, and a single process above. The meshes are \
          spheres with noise of {NOISE} h, with twice as many faces as vertices. Flows take ten steps unless \
          the row has another number. Systems are assembled, factorised, solved for three columns and \
