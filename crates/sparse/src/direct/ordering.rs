@@ -49,8 +49,8 @@ pub(crate) fn invert(order: &[u32]) -> Result<Vec<u32>, u32> {
     Ok(inverse)
 }
 
-/// Rows up to which minimum degree often has the usual fill; with more, both orders are found at the
-/// same time.
+/// Rows up to which minimum degree often has the usual fill; with more, both orders are found at
+/// the same time.
 const SMALL: usize = 20_000;
 
 /// The order of [`Ordering::LeastFill`].
@@ -114,7 +114,9 @@ impl Postordered {
 
     /// The number of entries of the factor on and below the diagonal, almost in linear time: a row
     /// has entries in the part of the tree between its leaves and itself. Source:
-    /// \[gilbert1994\].
+    /// [gilbert1994].
+    ///
+    /// [gilbert1994]: https://doi.org/10.1137/S0895479892236921
     pub(crate) fn fill(&self, rows: Rows<'_>) -> usize {
         const NONE: u32 = u32::MAX;
         let n = self.order.len();
