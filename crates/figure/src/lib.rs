@@ -24,6 +24,7 @@ mod occlusion;
 mod outline;
 mod page;
 mod paint;
+mod palette;
 mod plot;
 mod raster;
 mod render;

@@ -1,14 +1,14 @@
-//! Pictures in 256 colours: a third of the size, so that a report with dozens
-//! of figures can be committed and sent.
+//! Pictures in 256 colours, whose files have a third of the size.
 //!
-//! Colours are chosen by splitting boxes of colours where they vary most and
-//! moving each choice to the mean of the colours that it stands for. What is
-//! left is spread over neighbouring pixels (Floyd and Steinberg 1976). Paper, ink
-//! and flat areas stay exact, which quantisers for photographs do not promise.
+//! Colours are chosen by splitting boxes of colours where they vary most and moving each choice to
+//! the mean of the colours that it stands for. What is left is spread over neighbouring pixels
+//! (Floyd and Steinberg 1976). Paper, ink and flat areas stay exact, which quantisers for
+//! photographs do not promise.
 
-use anyhow::Result;
-use fairing_figure::Image;
 use png::{BitDepth, ColorType, Compression, Encoder};
+
+use crate::error::FigureError;
+use crate::image::Image;
 
 /// Entries of a palette.
 const ENTRIES: usize = 256;
@@ -23,21 +23,27 @@ const ROUNDS: usize = 4;
 /// paper, ink, and flat areas stay exact.
 const FLAT: f64 = 0.01;
 
-/// The picture as a PNG file with a palette; transparency is laid over white.
-/// Pictures of at most 256 colours lose nothing.
-pub(crate) fn png(image: &Image) -> Result<Vec<u8>> {
-    encode(image.width() as usize, image.height() as usize, &over_white(image))
-}
-
-/// The same, at most `most` pixels wide. Each pixel is the mean, in linear
-/// light, of the pixels that it covers.
-pub(crate) fn narrow_png(image: &Image, most: usize) -> Result<Vec<u8>> {
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    if width <= most {
-        return png(image);
+impl Image {
+    /// The bytes of a PNG file with a palette of at most 256 colours (sRGB), at most `widest`
+    /// pixels wide if given; transparency is laid over white. Pictures of fewer colours lose
+    /// nothing. Each pixel of a narrowed picture is the mean, in linear light, of the pixels
+    /// that it covers.
+    ///
+    /// # Errors
+    ///
+    /// [`FigureError::Png`] for a picture that PNG cannot hold.
+    pub fn to_palette_png(&self, widest: Option<u32>) -> Result<Vec<u8>, FigureError> {
+        let (width, height) = (self.width() as usize, self.height() as usize);
+        let pixels = over_white(self);
+        let encoded = match widest.map(|widest| widest.max(1) as usize) {
+            Some(widest) if widest < width => {
+                let tall = (height * widest).div_ceil(width);
+                encode(widest, tall, &narrow(&pixels, [width, height], [widest, tall]))
+            }
+            _ => encode(width, height, &pixels),
+        };
+        encoded.map_err(|source| FigureError::Png(source.to_string()))
     }
-    let tall = (height * most).div_ceil(width);
-    encode(most, tall, &narrow(&over_white(image), [width, height], [most, tall]))
 }
 
 /// The pixels without transparency, on white paper.
@@ -100,7 +106,7 @@ fn nonlinear(c: f64) -> f64 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 }
 }
 
-fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>> {
+fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>, png::EncodingError> {
     let palette = choose(pixels);
     let indices = dither(pixels, width, &palette);
     let mut out = vec![];

@@ -3,7 +3,6 @@
 
 pub mod inputs;
 pub mod outcome;
-pub(crate) mod palette;
 pub mod progress;
 pub(crate) mod text;
 

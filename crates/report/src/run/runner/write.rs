@@ -10,12 +10,11 @@ use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use rayon::prelude::*;
 
 use crate::experiment::outcome::{Attachment, Content, MeshOutput, Outcome};
-use crate::experiment::palette;
 use crate::model::results::{FigureFile, File, MeshCard, Record, ViewFile};
 use crate::model::view::View;
 
 /// Pictures of a small report have at most this width, in pixels: about what a code host shows.
-const SMALL: usize = 690;
+const SMALL: u32 = 690;
 
 /// Width and height in pixels of small pictures of meshes: twice what the page shows.
 const THUMBNAIL: [u32; 2] = [240, 180];
@@ -37,7 +36,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
     let encoded: Vec<[Vec<u8>; 2]> = outcome
         .figures
         .par_iter()
-        .map(|p| Ok([palette::png(&p.image)?, palette::narrow_png(&p.image, SMALL)?]))
+        .map(|p| Ok([p.image.to_palette_png(None)?, p.image.to_palette_png(Some(SMALL))?]))
         .collect::<Result<_>>()?;
     for (picture, [png, small]) in outcome.figures.into_iter().zip(encoded) {
         let png = keep(format!("{}.png", picture.id), &png, &picture.caption)?.path;
