@@ -74,13 +74,16 @@ pub(crate) fn least_fill(rows: Rows<'_>) -> Result<Postordered, TooLarge> {
         if spared.load(Relaxed) { Ok(None) } else { counted(order).map(Some) }
     };
     let (first, second) = if n > SMALL && rayon::current_num_threads() > 1 {
-        let (first, second) = rayon::join(least_degree, dissected);
-        (first?, second?)
+        rayon::join(least_degree, dissected)
     } else {
-        (least_degree()?, dissected()?)
+        (least_degree(), dissected())
     };
-    Ok(match second {
-        Some(second) if !spared.load(Relaxed) && second.0 < first.0 => second.1,
+    let first = first?;
+    if spared.load(Relaxed) {
+        return Ok(first.1);
+    }
+    Ok(match second? {
+        Some(second) if second.0 < first.0 => second.1,
         _ => first.1,
     })
 }
