@@ -31,10 +31,9 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[derive(Debug, Parser)]
 #[command(name = "bench", bin_name = "cargo xtask bench", version, about)]
 struct Bench {
-    /// The task; `build` times builds from an empty target folder, `page` writes docs/speed.md,
-    /// `hubs` times all verbs of the program on meshes with a vertex of thousands of faces,
-    /// `leaderboard` prints tables of k-harmonic systems in the form of sparse-solver-benchmark,
-    /// `rock` writes a mesh without symmetry to --out.
+    /// The task; `page` writes docs/speed.md, `hubs` times all verbs of the program on meshes with
+    /// a vertex of thousands of faces, `leaderboard` prints tables of k-harmonic systems in the
+    /// form of sparse-solver-benchmark, `rock` writes a mesh without symmetry to --out.
     /// Without a task, the tasks are listed
     task: Option<String>,
     /// The mesh
@@ -156,8 +155,7 @@ fn main() -> ExitCode {
 /// Times the task, or lists the tasks, and prints the result.
 fn run(options: Bench) -> Result<()> {
     let Some(task) = options.task.clone() else {
-        println!("{:<22} builds from an empty target folder", "build");
-        println!("{:<22} all tasks over the number of vertices, into docs/speed.md", "page");
+        println!("{:<22} docs/speed.md, from measurements", "page");
         println!("{:<22} all verbs on fans, stars, cones and combs of n and 4 n triangles", "hubs");
         println!("{:<22} k-harmonic systems on a mesh, beside CHOLMOD and Eigen", "leaderboard");
         println!("{:<22} a mesh without symmetry, written to --out", "rock");
