@@ -1,4 +1,4 @@
-//! Repair of every file of the corpus: a second run changes nothing, the default keeps the surface.
+//! Repair of the files of the corpus: a second run changes nothing, the default keeps the surface.
 
 use std::path::Path;
 
@@ -34,9 +34,17 @@ fn options() -> Vec<RepairOptions> {
     ]
 }
 
-fn each(folder: &Path, check: impl Fn(&TriMesh) -> Option<String>) -> Result<(), Failed> {
+/// The largest file that all options are tried on, in bytes, and the largest for the default.
+const MAX_BYTES: [u64; 2] = [1 << 20, 4 << 20];
+
+/// Checks every file up to a size, in bytes.
+fn each(
+    folder: &Path,
+    max_bytes: u64,
+    check: impl Fn(&TriMesh) -> Option<String>,
+) -> Result<(), Failed> {
     let mut wrong = String::new();
-    for file in verbs::files(folder, 4 << 20)? {
+    for file in verbs::files(folder, max_bytes)? {
         let mesh = io::read(folder.join(&file))?.mesh;
         if let Some(what) = check(&mesh) {
             wrong += &format!("{}: {what}\n", file.display());
@@ -50,7 +58,7 @@ fn repaired(mesh: &TriMesh, options: &RepairOptions) -> Repaired {
 }
 
 fn is_idempotent(folder: &Path) -> Result<(), Failed> {
-    each(folder, |mesh| {
+    each(folder, MAX_BYTES[0], |mesh| {
         options().into_iter().find_map(|options| {
             let once = repaired(mesh, &options);
             // Within the distance of the first run, which is a part of the mean edge of its input.
@@ -71,7 +79,7 @@ fn is_idempotent(folder: &Path) -> Result<(), Failed> {
 /// stays closed, apart from one edge in a thousand: fins that hang on fins, and edges that no pairs
 /// of sheets can share.
 fn keeps(folder: &Path) -> Result<(), Failed> {
-    each(folder, |mesh| {
+    each(folder, MAX_BYTES[1], |mesh| {
         let welded = mesh.welded().mesh;
         let tolerance = Tolerance::EdgeLengths(0.0);
         let result = repaired(mesh, &RepairOptions { tolerance, ..RepairOptions::DEFAULT });
