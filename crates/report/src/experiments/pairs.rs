@@ -6,7 +6,7 @@ use fairing_denoising::{AutomaticOptions, Denoiser};
 use super::families::TEXT;
 use super::restoring::Method;
 use crate::experiment::text::values;
-use crate::model::table::{Table, Tables, Unit};
+use crate::model::table::{Cell, Table, Tables, Unit};
 use crate::row;
 
 /// The normal error of every method on every pair.
@@ -63,7 +63,7 @@ pub(super) fn table() -> Result<Table> {
             noisy,
             automatic,
             theirs,
-            method.unwrap_or_default(),
+            method.map_or(Cell::Missing, Cell::from),
             best.0,
             best.1,
         ]);
