@@ -49,7 +49,8 @@ fn tables(input: &Path, mesh: &TriMesh, folder: &Path, repeat: usize) -> Result<
     if let Err(reason) = &peers {
         println!("CHOLMOD and Eigen are left out: {reason:#}\n");
     }
-    println!("{}, {} vertices, {}", input.display(), mesh.vertex_count(), machine());
+    let name = input.file_name().unwrap_or_default().display();
+    println!("{name}, {} vertices, {}", mesh.vertex_count(), machine());
     let mut versions = None;
     for (k, (name, system)) in SYSTEMS.into_iter().enumerate() {
         let ours = || ours(input, k + 1);
