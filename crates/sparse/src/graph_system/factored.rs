@@ -31,6 +31,10 @@ const MAX_SOLVES: usize = 12;
 /// The largest number of solves to a residual. One is the rule, two are rare.
 const MAX_TO_RESIDUAL: usize = 6;
 
+/// Rows above which a second order is worth the time to find it: on seven meshes of two to twenty
+/// thousand vertices the least fill was at most 2 % below that of minimum degree.
+const LARGE: usize = 20_000;
+
 /// The factor of `A' = D + tS + s e eᵀ`, with the diagonal s of tS added at one *grounded* row of
 /// each floating part.
 ///
@@ -121,7 +125,9 @@ impl Factored {
         let matrix = equations.matrix(|i| self.grounded(equations, i));
         let (symbolic, stored) = match like.map(|like| (like, like.factorize(&matrix))) {
             None | Some((_, Err(SparseError::PatternChanged { .. }))) => {
-                let symbolic = SymbolicCholesky::new(&matrix, Ordering::LeastFill)?;
+                let is_large = matrix.rows() > LARGE;
+                let order = if is_large { Ordering::LeastFill } else { Ordering::MinimumDegree };
+                let symbolic = SymbolicCholesky::new(&matrix, order)?;
                 let stored = symbolic.factorize(&matrix);
                 (symbolic, stored)
             }
